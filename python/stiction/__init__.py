@@ -22,6 +22,7 @@ _PUBLIC_NAMES_BY_MODULE = {
     "stiction.mechanics.onset": "Onset",
     "stiction.mechanics.presliding": "FourParameterIwan LuGre",
     "stiction.mechanics.resolution": "resolution resolution_friction spectral_resolution",
+    "stiction.mechanics.shear": "shear_gap",
     "stiction.calibration.calibration": "calibrate",
     "stiction.summary.friction_table": "friction_table table_study",
     "stiction.calibration.friction_tests": "Ball FrictionTest",
@@ -62,7 +63,7 @@ _PUBLIC_NAMES_BY_MODULE = {
     "stiction.surfaces.surrogates": "isotropic_spectrum isotropic_surface surrogate",
     "stiction.surfaces.tip": "tip_reconstructed",
     "stiction.views.calibration": "calibration_figure",
-    "stiction.direct_shear": "shear_test",
+    "stiction.direct_shear": "export_shear_test shear_test",
     "stiction.measured_pair": "pair",
 }
 """Public names by module, as in the stub file. A module is imported when one of its names is first used."""

@@ -8,7 +8,7 @@ from stiction.calibration.prediction import (
 )
 from stiction.summary.friction_table import friction_table as friction_table, table_study as table_study
 from stiction.evaluate.maps import area_map as area_map, friction_map as friction_map, stiffness_map as stiffness_map
-from stiction.direct_shear import shear_test as shear_test
+from stiction.direct_shear import export_shear_test as export_shear_test, shear_test as shear_test
 from stiction.measured_pair import pair as pair
 from stiction.mechanics.candidates import Candidates as Candidates, candidates as candidates
 from stiction.mechanics.closed_forms import (
@@ -66,6 +66,7 @@ from stiction.mechanics.resolution import (
     resolution_friction as resolution_friction,
     spectral_resolution as spectral_resolution,
 )
+from stiction.mechanics.shear import shear_gap as shear_gap
 from stiction.pipeline import run as run
 from stiction.result import Result as Result, open_result as open_result
 from stiction.solve.layout import nondimensional as nondimensional

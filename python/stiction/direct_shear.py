@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from stiction._arguments import parse_quantity
 from stiction._checks import check_bool, check_choice, parse_path, validate_number, validate_whole_number
 from stiction._errors import ArgumentError
-from stiction._files import check_replaceable, describe_os_error
+from stiction._files import describe_os_error
 from stiction._text import printable_path
 from stiction._units import loads_to_core_units, quantity, short_repr
 from stiction.evaluate.shear_intervals import (
@@ -28,23 +28,30 @@ from stiction.evaluate.shear_intervals import (
 )
 from stiction.mechanics.friction import CENTRAL_SHEAR_RATIO, FrictionLaw, warn_if_tau0_is_large
 from stiction.mechanics.half_space import BoundaryCondition, TiltMode
+from stiction.mechanics.joint_closure import fit_bandis_law
 from stiction.mechanics.onset import parse_direction
-from stiction.mechanics.shear import MIN_STRIPS, ShearBox
+from stiction.mechanics.shear import MIN_STRIPS, ShearBox, shear_gap
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
 from stiction.solve.members_in_progress import compute_steps_key, remove_stored_steps, stored_record
-from stiction.solve.store import CHECKSUM_PREFIX, SHEAR_TEST_FILE_NAME, STUDY_FILE, export
+from stiction.solve.store import SHEAR_TEST_FILE_NAME, STUDY_FILE, export, load_shear_test
 from stiction.study.inputs import Inputs
 from stiction.study.interfaces import InterfaceStrength
 from stiction.study.pair_options import validate_option_values
 from stiction.study.pair_study import MeasuredPair
+from stiction.summary.joint_table import DEFAULT_JOINT_UNITS, UnitSystem
 from stiction.surfaces.joint_roughness import measure_joint_roughness
+from stiction.surfaces.measured.writing import write_profile, write_surface
 from stiction.surfaces.preparation import count_flips, flipped, levelled, on_common_grid
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.registration import Registration, correlate_facing_slopes, register_faces
 from stiction.surfaces.surface import BodyLike, as_bodies
+from stiction.views.files import check_ending, write_new_text_file, write_shear_parameters
+from stiction.views.shear import shear_csv
 
 if TYPE_CHECKING:
     import xarray as xr
+
+STORED_STEPS_VERSION = 2  # increases if a shear test consists of other steps
 
 ShearLevel = Literal["mean", "line", "plane", "none"]
 
@@ -144,10 +151,14 @@ def shear_test(
         `load_fraction_at_hardness`, `load_fraction_at_edges` (of the faces), `elastic_energy` (nJ), the six contact
         sums, and `status`. A coefficient below 0 is NaN with the status "downhill": the face slides by itself.
 
-        Over `y` and `x` (µm): `peak_pressure` (GPa), the contacts at the peak.
+        Over `y` and `x` (µm): `peak_pressure` (GPa), the contacts at the peak. Over `gap_y` and `gap_x` (µm): `gap`
+        (µm), the gap between the faces at the start of the path, see `shear_gap`.
 
-        With ranges or strips, over `end` ("lower", "upper"): `friction_coefficient_interval`, `shear_stress_interval`
-        and `dilation_interval`, 95 %.
+        Over `normal_stress` (GPa), up to that of the load: `closure` (µm) at the start of the path, and its derivative
+        `closure_stiffness` (MPa/mm).
+
+        With ranges or strips, over `end` ("lower", "upper"): `friction_coefficient_interval`, `shear_stress_interval`,
+        `dilation_interval`, `closure_interval` and `closure_stiffness_interval`, 95 %.
 
         Attributes: `peak`, `peak_displacement_um`, `peak_dilation_angle_deg`, `peak_shear_stress_GPa`, `end` (value at
         the end of the path), with limits such as `peak_lower` and `peak_upper`, and `peak_status`, which is not "ok" if
@@ -218,7 +229,8 @@ def shear_test(
     if directory is None:
         return _compute_shear_tests(setup, SolutionRecord(), progress).assign_attrs(attributes)
     test_directory, description = parse_path("directory", directory), _describe_inputs(setup)
-    key, steps_key = hashlib.sha256(description.encode()).hexdigest()[:16], compute_steps_key(description)
+    key = hashlib.sha256(description.encode()).hexdigest()[:16]
+    steps_key = compute_steps_key(f"{description}, version {STORED_STEPS_VERSION}")
     if (test := _open_stored_test(test_directory, key, replace=replace)) is not None:
         return test
     _create_directory(test_directory)
@@ -227,6 +239,84 @@ def shear_test(
     export(test, test_directory / SHEAR_TEST_FILE_NAME, replace=True)
     remove_stored_steps(test_directory, key=steps_key)
     return test
+
+
+_TEST_FORMATS = {".nc": "the whole test", ".csv": "the curve"}
+_GAP_FORMATS = {".npy": "a NumPy array", ".csv": "a matrix"}
+
+
+def export_shear_test(
+    test: xr.Dataset, path: str | Path, *, joint: bool = False, gap: bool = False, units: UnitSystem | None = None
+) -> None:
+    """Write a shear test to a new file: the whole dataset for ``.nc``, or its curve for ``.csv``.
+
+    Parameters
+    ----------
+    test : xarray.Dataset
+        Result of `shear_test`.
+    path : path
+    joint : bool
+        True to write the parameters of a joint model to a ``.csv`` or ``.json`` file: peak and dilation, and the
+        closure and its stiffness against the normal stress.
+    gap : bool
+        True to write the gap of `shear_gap` to a ``.npy`` or ``.csv`` file, with its unit and spacing.
+    units : {"mm,N,MPa", "m,N,Pa", "um,mN,GPa"}, optional
+        Units of the parameters; by default the first.
+
+    Raises
+    ------
+    ValueError
+        If the file exists or cannot be written, its name has another ending, or an earlier version stored the test
+        without closure and gap.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> from stiction import Surface, export_shear_test, read_surface, self_affine_surface, shear_test
+    >>> lower, noise = (
+    ...     self_affine_surface(seed, hurst_exponent=0.8, rms=rms, shape=(64, 64), spacing=50.0)
+    ...     for seed, rms in ((1, 20.0), (2, 1.0))
+    ... )
+    >>> upper = Surface(-(lower.heights + noise.heights)[::-1], spacing=lower.spacing)
+    >>> test = shear_test(upper, lower, path="0.1 mm", load="1 MPa", mu0=0.6, effective_modulus="16 GPa")
+    >>> file = pathlib.Path(tempfile.mkdtemp()) / "gap.npy"
+    >>> export_shear_test(test, file, gap=True)
+    >>> read_surface(file).spacing
+    (50.0, 50.0)
+    """
+    path = parse_path("path", path)
+    check_bool("joint", joint)
+    check_bool("gap", gap)
+    if joint and gap:
+        raise ValueError("gap must be False if joint is True, got True")
+    if units is not None and not joint:
+        raise ArgumentError("{units} applies only if joint is True, got {value}", value=units)
+    if joint:
+        _check_closure(test)
+        write_shear_parameters(test, path, DEFAULT_JOINT_UNITS if units is None else units)
+    elif gap:
+        check_ending(path, _GAP_FORMATS)
+        _check_closure(test)
+        body = shear_gap(test)
+        if isinstance(body, Profile):
+            write_profile(body, path)
+        else:
+            write_surface(body, path)
+    else:
+        check_ending(path, _TEST_FORMATS)
+        if path.suffix.lower() == ".nc":
+            export(test, path)
+        else:
+            write_new_text_file(path, shear_csv(test))
+
+
+def _check_closure(test: xr.Dataset) -> None:
+    """Raise a `ValueError` if an earlier version stored a shear test, without the gap and the closure."""
+    if "gap" not in test:
+        raise ArgumentError(
+            "the shear test was stored by an earlier version, without its gap and its closure; repeat the test with "
+            "{replace}"
+        )
 
 
 def _create_directory(directory: Path) -> None:
@@ -296,21 +386,23 @@ def _compute_shear_tests(
     num_steps = len(offsets)
 
     def solve(index: int) -> tuple[list[StepResult], xr.Dataset]:
-        """Solve one of the shear tests, and report the progress of all shear tests together."""
+        """Solve one of the shear tests and its closure, and report the progress of all shear tests together."""
 
         def show_total_progress(done: int, _: int) -> None:
             if progress is not None:
                 progress(index * num_steps + done, len(boxes) * num_steps)
 
         rows = boxes[index].solve(offsets, record, show_total_progress)
-        return rows, boxes[index].to_dataset(offsets, rows)
+        return rows, boxes[index].to_dataset(offsets, rows).assign(boxes[index].solve_closure(record))
 
     rows, test = solve(0)
     pressure = box.solve_peak_pressure(test, offsets, rows, record)
-    closure, area = box.solve_closure(record), float(test["overlap_area"][0])
+    area = float(test["overlap_area"][0])
+    law = fit_bandis_law(test["normal_stress"].values, test["closure"].values)
     other_tests = [solve(index)[1] for index in range(1, len(boxes))]
     variations, strips = other_tests[: len(setup.variations)], other_tests[len(setup.variations) :]
     test = add_shear_intervals(test, setup.samples, list(zip(setup.variations, variations, strict=True)), strips)
+    test = test.assign(gap=box.initial_gap)
     test = test if pressure is None else test.assign(peak_pressure=pressure)
     hardness = inputs.entries.get("hardness")
     return test.assign_attrs(
@@ -322,8 +414,8 @@ def _compute_shear_tests(
         effective_modulus_GPa=box.effective_modulus, hardness_GPa=math.nan if box.hardness is None else box.hardness,
         hardness="" if hardness is None else hardness.text, body_shears_first=_shears_before_sliding(box),
         strips=len(strips), uncertain_inputs=_describe_uncertain_inputs(setup),
-        tilt=box.tilt, boundary=box.boundary, closure_initial_stiffness_GPa_per_um=closure.initial_stiffness,
-        maximum_closure_um=closure.maximum_closure, closure_misfit=closure.misfit,
+        tilt=box.tilt, boundary=box.boundary, closure_initial_stiffness_GPa_per_um=law.initial_stiffness,
+        maximum_closure_um=law.maximum_closure, closure_misfit=law.misfit,
         fit_correlation=correlate_facing_slopes(*box.faces_at(offsets[0])), **_describe_roughness(box),
     )  # fmt: skip
 
@@ -379,13 +471,9 @@ def _open_stored_test(directory: Path, key: str, *, replace: bool) -> xr.Dataset
 
     Returns None if there is no test that can be reused.
     """
-    import xarray as xr
-
-    path = directory / SHEAR_TEST_FILE_NAME
-    if not path.exists():
+    test = load_shear_test(directory)
+    if test is None or (replace and "gap" not in test):  # earlier versions stored neither the gap nor the closure
         return None
-    check_replaceable(path, CHECKSUM_PREFIX, ValueError)
-    test = xr.load_dataset(path, engine="h5netcdf")
     if test.attrs.get("key") == key:
         return test
     if replace:

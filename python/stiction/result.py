@@ -14,7 +14,7 @@ from stiction._units import short_repr
 from stiction.solve.store import open_stored_result
 from stiction.summary.evaluation import Evaluation
 from stiction.summary.joint_table import DEFAULT_JOINT_UNITS, UnitSystem
-from stiction.views.files import is_card, write_joint_table, write_result
+from stiction.views.files import is_card, write_joint_table, write_result, write_table_at_loads
 from stiction.views.report import save_report
 from stiction.views.rows import summary_table
 from stiction.views.sentence import quotable_sentences
@@ -24,6 +24,7 @@ from stiction.views.text import study_result_text
 if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
 
 
 class Result(Evaluation):
@@ -101,12 +102,17 @@ class Result(Evaluation):
         save_report(self, path, name=self.path.resolve().name if self.path else "result")
         return path
 
-    def export(self, path: str | Path, *, joint: bool = False, units: UnitSystem | None = None) -> None:
+    def export(
+        self, path: str | Path, *, load: str | ArrayLike | None = None, joint: bool = False,
+        units: UnitSystem | None = None,
+    ) -> None:  # fmt: skip
         """Write the result to a new file: the whole result for ``.nc``, or a table for ``.csv`` and ``.tex``.
 
         Parameters
         ----------
         path : path
+        load : str or array_like of float, mN, optional
+            Loads of the table, as for `at`; by default the loads of the study, or of `joint_table`.
         joint : bool
             True to write the table of `joint_table` to a ``.csv`` or ``.json`` file. Cards of other programs contain it
             in any case: ``.inp`` of Abaqus and CalculiX, ``.mac`` of Ansys and ``.liggghts``.
@@ -121,11 +127,14 @@ class Result(Evaluation):
         path = parse_path("path", path)
         check_bool("joint", joint)
         if joint or is_card(path):
-            write_joint_table(self, path, DEFAULT_JOINT_UNITS if units is None else units)
+            write_joint_table(self, path, DEFAULT_JOINT_UNITS if units is None else units, load=load)
             return
         if units is not None:
             raise ArgumentError("{units} applies only to joint tables and cards, got {value}", value=units)
-        write_result(self, path)
+        if load is None:
+            write_result(self, path)
+        else:
+            write_table_at_loads(self, path, load)
 
     # ---- Display in a terminal or a notebook -------------------------------------------------------------------------
 

@@ -4,10 +4,12 @@ import json
 from dataclasses import replace
 
 import numpy as np
+import pandas
 import pytest
 import xarray
-from stiction import Profile, Surface, flipped, interface, self_affine_surface, shear_test
+from stiction import Profile, Surface, flipped, interface, open_result, read_surface, self_affine_surface, shear_test
 from stiction.solve import members_in_progress
+from stiction.solve.store import export
 from stiction.views.figures.shear import shear_figure
 from stiction.views.shear import list_caveats, shear_text
 from support.command import assert_rejected, call_stiction, check_stiction
@@ -222,6 +224,112 @@ def test_shear_command_rejects_a_directory_with_another_test(directory):
     assert_rejected(completed, "shear contains another shear test;", "or overwrite the test with --replace")
 
 
+# ---- Export ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def rough_directory(directory):
+    """Return a directory with the files and the shear test of two faces that differ by noise."""
+    noise = np.random.default_rng(3).normal(0, 0.5, MAP_SHAPE)
+    np.save(directory / "upper.npy", np.load(directory / "upper.npy") + noise)
+    run_shear(
+        directory, "--path", "0.2 mm", "--steps", 2, "--mu0", "0.5..0.7", "--hardness", "300 MPa", without_figures=True
+    )
+    return directory
+
+
+def export_shear(directory, *arguments):
+    check_stiction("export", "shear", *arguments, cwd=directory)
+    return directory / arguments[0]
+
+
+@pytest.mark.parametrize("name", ["gap.npy", "gap.csv"])
+def test_exported_gap_is_read_by_pair_without_unit_and_spacing(rough_directory, name):
+    gap = read_surface(export_shear(rough_directory, name, "--gap"))
+    test = xarray.load_dataset(rough_directory / "shear/shear.nc", engine="h5netcdf")
+    np.testing.assert_array_equal(gap.heights, test["gap"].values)
+    assert gap.spacing == (50.0, 50.0)
+    check_stiction(
+        "pair", "--gap", name, "--young", "30 GPa", "--poisson", 0.25, "--hardness", "300 MPa", "--mu0", 0.6,
+        "--load", "1 MPa", "--cutoff", "none", "--onset", 0, cwd=rough_directory, without_figures=True,
+    )  # fmt: skip
+    result = open_result(rough_directory / "pair").at()
+    for quantity in ("closure", "closure_stiffness"):
+        value = float(result[quantity].sel(statistic="mean").values.flat[0])
+        assert value == pytest.approx(float(test[quantity][-1]), rel=1e-3)
+
+
+def test_exported_parameters_contain_the_printed_peak_and_the_stiffness_at_each_stress(rough_directory):
+    table = pandas.read_csv(export_shear(rough_directory, "parameters.csv", "--joint"))
+    test = xarray.load_dataset(rough_directory / "shear/shear.nc", engine="h5netcdf")
+    np.testing.assert_allclose(table["normal stress (MPa)"], 1e3 * test["normal_stress"], rtol=1e-8)
+    np.testing.assert_allclose(table["closure (mm)"], 1e-3 * test["closure"], rtol=1e-8)
+    np.testing.assert_allclose(table["stiffness of closure (MPa/mm)"], test["closure_stiffness"], rtol=1e-8)
+    last_row, attributes = table.iloc[-1], test.attrs
+    for title, limit in (("", ""), (": lower", "_lower"), (": upper", "_upper")):
+        coefficient = attributes[f"peak{limit}"]
+        assert last_row[f"peak friction coefficient{title}"] == pytest.approx(coefficient)
+        assert last_row[f"peak friction angle (deg){title}"] == pytest.approx(np.degrees(np.arctan(coefficient)))
+        stress = attributes[f"peak_shear_stress_GPa{limit}"]
+        assert last_row[f"shear strength (MPa){title}"] == pytest.approx(1e3 * stress)
+    assert last_row["dilation angle at the peak (deg)"] == pytest.approx(attributes["peak_dilation_angle_deg"])
+    assert last_row["dilation at the end (mm)"] == pytest.approx(1e-3 * float(test["dilation"][-1]))
+    assert last_row["Z2"] == pytest.approx(attributes["z2"])
+    assert table["peak friction angle (deg)"][:-1].isna().all()
+    ratio = last_row["shear strength (MPa)"] / last_row["normal stress at the peak (MPa)"]
+    assert ratio == pytest.approx(last_row["peak friction coefficient"], rel=1e-3)
+
+
+def test_exported_parameters_in_json_have_units_and_inputs_and_caveats(rough_directory):
+    file = export_shear(rough_directory, "parameters.json", "--joint", "--units", "m,N,Pa")
+    record = json.loads(file.read_text(encoding="utf-8"))
+    test = xarray.load_dataset(rough_directory / "shear/shear.nc", engine="h5netcdf")
+    assert (record["kind"], record["units"]) == ("shear_joint", {"length": "m", "force": "N", "pressure": "Pa"})
+    assert record["inputs"]["mu0"] == "0.5..0.7"
+    assert record["caveats"] == list_caveats(test)
+    (strength,) = [value for value in record["values"] if value["name"] == "peak_shear_stress"]
+    assert (strength["unit"], strength["kind"]) == ("Pa", "combined")
+    assert strength["value"] == pytest.approx(1e9 * test.attrs["peak_shear_stress_GPa"])
+    stiffnesses = [value for value in record["values"] if value["name"] == "closure_stiffness"]
+    np.testing.assert_allclose([value["value"] for value in stiffnesses], 1e9 * test["closure_stiffness"])
+    assert stiffnesses[-1]["at"]["normal_stress"] == pytest.approx(1e6)
+
+
+def test_exported_curve_and_dataset_are_those_of_the_shear_test(rough_directory):
+    curve = export_shear(rough_directory, "curve.csv").read_text()
+    assert curve == (rough_directory / "shear/shear.csv").read_text()
+    dataset = xarray.load_dataset(export_shear(rough_directory, "all.nc"), engine="h5netcdf")
+    stored_dataset = xarray.load_dataset(rough_directory / "shear/shear.nc", engine="h5netcdf")
+    xarray.testing.assert_identical(dataset.drop_attrs(), stored_dataset.drop_attrs())
+
+
+def test_export_command_rejects_options_that_do_not_apply_to_shear_tests(rough_directory):
+    for arguments, message in (
+        (("x.inp", "--joint"), "must end in .csv"),
+        (("x.tex",), "must end in .nc (the whole test) or .csv (the curve)"),
+        (("x.txt", "--gap"), "must end in .npy (a NumPy array) or .csv (a matrix)"),
+        (("x.csv", "--load", "1 MPa"), "--load does not apply to shear tests; remove --load 1 MPa"),
+        (("x.csv", "--units", "m,N,Pa"), "--units requires --joint"),
+        (("x.csv", "--joint", "--gap"), "--joint cannot be combined with --gap"),
+        (("upper.npy", "--gap"), "upper.npy"),
+    ):
+        assert_rejected(call_stiction("export", "shear", *arguments, cwd=rough_directory), message)
+
+
+def test_shear_test_of_an_earlier_version_is_opened_but_has_no_gap_to_export(tmp_path):
+    options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, "directory": tmp_path / "shear", **LOAD_AND_ELASTICITY}
+    test = shear_test(*create_faces(), **options)
+    new_names = ["gap", "closure", "closure_stiffness"]
+    old_test = test.drop_vars([*new_names, "gap_y", "gap_x", "normal_stress"])
+    export(old_test, tmp_path / "shear/shear.nc", replace=True)
+    xarray.testing.assert_identical(shear_test(*create_faces(), **options).drop_attrs(), old_test.drop_attrs())
+    assert "stiffness" not in shear_text(old_test)
+    assert_rejected(
+        call_stiction("export", "shear", "gap.npy", "--gap", cwd=tmp_path), "repeat the test with --replace"
+    )
+    assert "gap" in shear_test(*create_faces(), **options, replace=True)
+
+
 # ---- Caveats ---------------------------------------------------------------------------------------------------------
 
 
@@ -417,12 +525,12 @@ def test_shear_command_prints_a_stored_test_with_strips_again(directory):
     assert second_output == first_output
 
 
-def test_export_of_a_shear_test_states_where_its_values_are(directory):
+def test_info_of_a_shear_test_states_where_its_values_are(directory):
     run_shear(directory, "--path", "0.5 mm", "--mu0", 0.6, "--steps", 1)
     assert_rejected(
-        call_stiction("export", "shear", "joint.csv", "--joint", cwd=directory),
+        call_stiction("info", "shear", cwd=directory),
         "shear contains a shear test",
-        "its values are in shear.csv or shear.nc",
+        "its values are in shear.csv and shear.nc",
     )
 
 

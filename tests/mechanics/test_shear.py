@@ -4,12 +4,27 @@ import math
 
 import numpy as np
 import pytest
-from stiction import Profile, Surface, flipped, half_space, interface, self_affine_surface, shear_test
+from stiction import (
+    Profile,
+    Surface,
+    flipped,
+    half_space,
+    interface,
+    levelled,
+    rotated,
+    self_affine_surface,
+    shear_gap,
+    shear_test,
+)
 from stiction.evaluate.shear_intervals import add_shear_intervals
 from stiction.mechanics.joint_closure import fit_bandis_law
 from stiction.views.shear import headline_estimates
 
 TOOTH_ANGLE = math.radians(10)
+ROUND_OFF = 1e-12  # µm
+STRESS_STEP = 1e-3  # relative step of the stress for the difference quotient of a stiffness
+# Closures have a relative tolerance of about 1e-6 over a step of 2e-3; few contacts appear within the step.
+DERIVATIVE_TOLERANCE = 0.02
 LOAD_AND_MODULUS = {"load": "1 MPa", "effective_modulus": "30 GPa"}
 
 
@@ -29,6 +44,10 @@ def create_rough_map(points=64):
         5, side="lower", hurst_exponent=0.8, rms=6.0, shape=(points, points), spacing=1000 / points,
         shortest_wavelength=8000 / points,
     )  # fmt: skip
+
+
+def create_noise(shape):
+    return np.random.default_rng(3).normal(0, 0.05, shape)
 
 
 def create_mate(face):
@@ -546,6 +565,97 @@ def test_shear_test_of_registered_faces_starts_at_their_best_fit():
     assert registered_result.attrs["registration_shift_y_um"] == pytest.approx(-5 * large_map.spacing[0])
     assert registered_result.contact_area_fraction[0] > 0.99 > unregistered_result.contact_area_fraction[0]
     assert registered_result.attrs["peak"] > unregistered_result.attrs["peak"]
+
+
+def test_gap_of_a_shear_test_is_the_distance_of_the_facing_faces_at_first_contact():
+    lower = create_rough_map()
+    upper = create_mate(lower.changed(lower.heights + create_noise(lower.heights.shape), "rough"))
+    result = shear_test(upper, lower, path="50 um", mu0=0.6, level="none", **LOAD_AND_MODULUS)
+    gap = shear_gap(result)
+    expected = flipped(upper).heights - lower.heights
+    np.testing.assert_allclose(gap.heights, expected - expected.min(), atol=ROUND_OFF)
+    assert gap.heights.min() == 0.0
+    assert gap.spacing == lower.spacing
+    with pytest.raises(ValueError, match="test must contain the gap of the faces"):
+        shear_gap(result.drop_vars("gap"))
+
+
+def test_gap_of_registered_faces_has_the_rms_gap_of_the_registration():
+    large_map = create_rough_map(96)
+    lower = large_map.changed(large_map.heights[16:80, 16:80], "cut")
+    upper = large_map.changed(large_map.heights[11:75, 23:87] + create_noise((64, 64)), "cut")
+    upper = create_mate(rotated(upper, 1.0))
+    result = shear_test(upper, lower, path="50 um", mu0=0.6, register=True, **LOAD_AND_MODULUS)
+    gap = shear_gap(result)
+    assert min(gap.heights.shape) > 40
+    rms_gap = result.attrs["registration_rms_gap_um"]
+    assert levelled(gap, "plane").heights.std() == pytest.approx(rms_gap, rel=1e-9)
+    assert rms_gap < 0.05 * result.attrs["rms_gap_before_registration_um"]
+
+
+def test_gap_of_profiles_and_missing_points_of_maps_are_those_of_the_faces():
+    profile = create_sawtooth(400)
+    assert isinstance(shear_gap(run_shear_test(profile, path="5 um", steps=1, mu0=0.5)), Profile)
+    lower = create_rough_map()
+    missing = np.zeros(lower.heights.shape, bool)
+    missing[3:6, 10:12] = True
+    lower = Surface(lower.heights, spacing=lower.spacing, missing=missing)
+    noise = create_noise(lower.heights.shape)
+    upper = Surface(-(lower.heights + noise)[::-1], spacing=lower.spacing)
+    gap = shear_gap(shear_test(upper, lower, path="50 um", steps=1, mu0=0.6, level="none", **LOAD_AND_MODULUS))
+    np.testing.assert_array_equal(gap.missing, missing)
+    assert gap.heights[~missing].min() == 0.0
+
+
+def test_stiffness_of_closure_is_the_derivative_of_the_closure_of_the_gap():
+    lower = create_rough_map()
+    upper = create_mate(lower.changed(lower.heights + create_noise(lower.heights.shape), "rough"))
+    options = LOAD_AND_MODULUS | {"hardness": "500 MPa"}
+    result = shear_test(upper, lower, path="50 um", mu0=0.6, steps=1, level="none", **options)
+    gap = shear_gap(result)
+    area = gap.heights.size * np.prod(gap.spacing)
+    stresses = result["normal_stress"].values
+    assert stresses[-1] == pytest.approx(1e-3)
+    for index in (2, 7):
+        loads = stresses[index] * area * np.array([1 - STRESS_STEP, 1.0, 1 + STRESS_STEP])
+        flat = Surface(np.zeros(gap.heights.shape), spacing=gap.spacing)
+        curve = half_space(gap, flat, loads, effective_modulus=30.0, hardness=0.5, tolerance=1e-8)
+        assert result["closure"][index] == pytest.approx(curve.closure[1], rel=1e-4)
+        stiffness = 2 * STRESS_STEP * stresses[index] / (curve.closure[2] - curve.closure[0])
+        assert result["closure_stiffness"][index] == pytest.approx(1e6 * stiffness, rel=DERIVATIVE_TOLERANCE)
+
+
+def test_stiffness_of_closure_is_proportional_to_modulus_and_stress():
+    lower = create_rough_map()
+    upper = create_mate(lower.changed(lower.heights + create_noise(lower.heights.shape), "rough"))
+    results = [
+        shear_test(
+            upper, lower, path="50 um", steps=1, mu0=0.6, load=f"{factor} MPa", effective_modulus=f"{30 * factor} GPa"
+        )
+        for factor in (1, 2)
+    ]
+    np.testing.assert_allclose(results[1]["closure"], results[0]["closure"], rtol=1e-5)
+    np.testing.assert_allclose(results[1]["closure_stiffness"], 2 * results[0]["closure_stiffness"], rtol=1e-5)
+
+
+def test_intervals_of_the_closure_contain_the_tests_at_the_limits_of_the_modulus():
+    lower = create_rough_map()
+    upper = create_mate(lower.changed(lower.heights + create_noise(lower.heights.shape), "rough"))
+    options = {"path": "50 um", "steps": 1, "mu0": 0.6, "load": "1 MPa", "strips": 0}
+    result, softer_result, stiffer_result = (
+        shear_test(upper, lower, effective_modulus=modulus, **options)
+        for modulus in ("uniform 20..40 GPa", "20.6 GPa", "39.4 GPa")
+    )
+    for name in ("closure", "closure_stiffness"):
+        limits = result[f"{name}_interval"].values
+        values = [test[name].values for test in (softer_result, result, stiffer_result)]
+        np.testing.assert_allclose(limits, [np.min(values, axis=0), np.max(values, axis=0)], rtol=0.02)
+
+
+def test_closure_of_faces_that_fit_perfectly_is_zero_and_has_no_stiffness():
+    result = run_shear_test(create_rough_map(), path="50 um", steps=1, mu0=0.6)
+    np.testing.assert_allclose(result["closure"], 0.0, atol=ROUND_OFF)
+    assert result["closure_stiffness"].isnull().all()
 
 
 def test_shear_test_does_not_register_flat_faces():

@@ -15,6 +15,7 @@ import pytest
 from stiction import Study, half_space, material, open_result, pair, run, self_affine_surface
 from stiction.study.members import load_bodies
 from stiction.summary.evaluation import Evaluation
+from stiction.views.files import summary_csv
 from support.command import assert_rejected, call_stiction, check_stiction
 
 pytestmark = pytest.mark.usefixtures("no_companion_files")
@@ -298,6 +299,43 @@ def test_export_command_writes_joint_tables_and_rejects_wrong_options(result, di
     small_study_changes = {"ensemble.repetitions": 2, "surfaces.points": 3000}
     with pytest.raises(ValueError, match="needs a measured pair, got generated surfaces"):
         run(Study.named("quick").with_changes(small_study_changes)).joint_table()
+
+
+def test_exported_tables_at_given_loads_contain_the_values_of_the_result(result, directory):
+    check_stiction("export", "pair", "at.csv", "--load", "20 MPa,80 MPa", cwd=directory)
+    table = pandas.read_csv(directory / "at.csv")
+    pressures = sorted(set(table["normal load (mN)"] / (1e-3 * result.nominal_area)))
+    assert pressures == pytest.approx([20, 80])
+    values = result.at(["20 MPa", "80 MPa"]).sel(statistic="mean", sliding="all").squeeze()
+    expected = result.summary(["20 MPa", "80 MPa"])
+    pandas.testing.assert_frame_equal(table, pandas.read_csv(io.StringIO(summary_csv(expected))))
+    check_stiction("export", "pair", "joint_at.csv", "--joint", "--load", "20 MPa,80 MPa", cwd=directory)
+    joint_table = pandas.read_csv(directory / "joint_at.csv")
+    assert joint_table["nominal pressure (MPa)"].tolist() == pytest.approx([20, 80])
+    np.testing.assert_allclose(joint_table["stiffness of closure (MPa/mm)"], values["closure_stiffness"], rtol=1e-8)
+    assert not joint_table["computed"].any()
+    check_stiction("export", "pair", "card_at.inp", "--load", "20 MPa,80 MPa", cwd=directory)
+    assert len(re.findall(r"^(?:20|80), ", (directory / "card_at.inp").read_text(), re.MULTILINE)) == 2
+
+
+def test_export_command_computes_given_loads_even_outside_the_computed_range(result, directory):
+    check_stiction("export", "pair", "given.csv", "--joint", "--load", "20 MPa,900 MPa", "--compute", cwd=directory)
+    table = pandas.read_csv(directory / "given.csv")
+    assert table["nominal pressure (MPa)"].tolist() == pytest.approx([20, 900])
+    assert table["computed"].all()
+
+
+def test_export_command_warns_of_loads_without_values_and_rejects_a_table_without_any(result, directory):
+    completed = check_stiction(
+        "export", "pair", "some.csv", "--joint", "--load", "20 MPa,9 GPa", cwd=directory, columns=200
+    )
+    assert "no values at" in completed.stderr
+    assert pandas.read_csv(directory / "some.csv")["nominal pressure (MPa)"].tolist() == pytest.approx([20])
+    for arguments in (("none.csv", "--joint"), ("none.csv",)):
+        completed = call_stiction("export", "pair", *arguments, "--load", "9 GPa", cwd=directory)
+        assert_rejected(completed, "no values at")
+    assert_rejected(call_stiction("export", "pair", "x.nc", "--load", "20 MPa", cwd=directory), "must end in .csv")
+    assert_rejected(call_stiction("export", "pair", "x.npy", "--gap", cwd=directory), "--gap applies only to shear")
 
 
 def small_pair(rms=0.3, **options):

@@ -10,25 +10,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from stiction._errors import ArgumentError
-from stiction._units import short_repr
-from stiction.cli.application import command, print_output, print_warning, report_interruption, show_status
+from stiction.cli.application import command, print_output, report_interruption, show_status
+from stiction.cli.loads import LoadsOption, parse_loads, report_missing_loads
 from stiction.cli.options import JsonOption, VerboseOption, WorkersOption, option, reject_options
 
 if TYPE_CHECKING:
     import xarray
 
-    from stiction.result import Result
     from stiction.solve.store import StoredResult
     from stiction.summary.summary import PointSummary
 
 
-LoadsOption = Annotated[
-    list[str] | None,
-    option(
-        "--load FORCE", 'Normal loads, such as "0.1 mN" or, except for generated profiles, "10 MPa,20 MPa".',
-        "loads of the study",
-    ),
-]  # fmt: skip
 WidthOption = Annotated[
     str | None, option("--width LENGTH", "Contact width of two profiles, for loads in newtons.", "1 um")
 ]
@@ -124,7 +116,7 @@ def at(
         reject_options(context, "requires --scale-heights", "scaled", "compute", "workers")
     else:
         reject_options(context, "cannot be combined with --scale-heights", "d", "hurst", "amplitude", "direction")
-        loads = _parse_loads(result, load, width)
+        loads = parse_loads(result, load, width)
         assert result.stored is not None, "the result was opened from a directory"
         _print_height_factor_results(
             result.stored, scale_heights, scaled, loads, mu0_values, tau0_values, compute=compute, workers=workers,
@@ -132,7 +124,7 @@ def at(
         )  # fmt: skip
         return
     amplitude_length = None if amplitude is None else parse_quantity("amplitude", amplitude, "length")
-    points = result.at(_parse_loads(result, load, width), mu0=mu0_values, tau0=tau0_values, budget=True)
+    points = result.at(parse_loads(result, load, width), mu0=mu0_values, tau0=tau0_values, budget=True)
     dimensions = None if d is None else parse_numbers("d", d)
     if hurst is not None:
         if d is not None or getattr(result.study.surfaces, "generator", "") != "self-affine":
@@ -146,7 +138,7 @@ def at(
     if direction is not None:
         points = _select_direction(points, direction)
     missing_loads = find_loads_without_values(result, points)
-    _report_missing_loads(result, points, missing_loads)
+    report_missing_loads(result, points, missing_loads)
     neighbours = find_neighbouring_loads(result.study, points["load"].values)
     node_points: Sequence[PointSummary] = ()
     if neighbours:
@@ -165,18 +157,6 @@ def at(
         print_output(result_text(summary, verbose=verbose, complete_command=VERBOSE_OPTION))
         if neighbours:
             print_output(interpolation_text(neighbours, node_points, result.nominal_area))
-
-
-def _report_missing_loads(result: Result, values: xarray.Dataset, missing_loads: Sequence[float]) -> None:
-    """Warn about loads without a coefficient, or raise a `ValueError` if all loads lack a coefficient."""
-    from stiction.views.text import missing_loads_text
-
-    if not missing_loads:
-        return
-    message = missing_loads_text(result, values, missing_loads)
-    if len(missing_loads) == values["load"].size:
-        raise ValueError(message)
-    print_warning(message)
 
 
 def _print_height_factor_results(
@@ -212,45 +192,11 @@ def _print_height_factor_results(
     points = evaluate_at_height_factors(stored_result, height_factors, loads, mu0=mu0, tau0=tau0, scaled=scaled_bodies)
     result = Result(stored_result)
     missing_loads = find_loads_outside_range(result, points)
-    _report_missing_loads(result, points, missing_loads)
+    report_missing_loads(result, points, missing_loads)
     if as_json:
         print_output(height_scale_json(points, stored_result.study))
     else:
         print_output(height_scale_text(points.drop_sel(load=missing_loads), stored_result.study))
-
-
-def _parse_loads(result: Result, texts: list[str] | None, width: str | None) -> list[float]:
-    """Parse the loads on the command line, or return the loads of the study if none are given.
-
-    Return the loads (mN) in ascending order.
-    """
-    from stiction._arguments import parse_load, parse_quantity, reject_decimal_commas, split_values
-    from stiction.mechanics.model import PROFILE_WIDTH
-
-    width_factor = 1.0
-    if width is not None:
-        if result.study.surfaces.press != "lines":
-            raise ArgumentError(
-                "{width} must be omitted, because the result is not from two measured profiles, got {got}",
-                got=repr(width),
-            )
-        width_factor = PROFILE_WIDTH / float(parse_quantity("width", width, "length"))
-    if not texts:
-        if not result.study.friction.load:
-            raise ArgumentError("{load} must be given, because the study has no loads")
-        return [float(load) for load in result.study.friction.load]
-    reject_decimal_commas("load", texts)
-    loads = set()
-    for value in (load_text for text in texts for load_text in split_values(text)):
-        amount, is_per_area = parse_load("load", value, or_zero=result.study.contact.adheres)
-        force = float(amount) * (1.0 if is_per_area else width_factor)
-        if is_per_area:
-            if result.nominal_area is None:
-                raise ValueError(f"--load must be a force if the result has no nominal area, got {short_repr(value)}")
-            force *= result.nominal_area
-        # Twelve digits, as in `pair`, make equal loads compare equal.
-        loads.add(float(f"{force:.12g}"))
-    return sorted(loads)
 
 
 def _select_nearest_parameters(

@@ -85,4 +85,5 @@ def reject_options(context: typer.Context, reason: str, *names: str) -> None:
         if option_was_given(context, name):
             option = f"--{name.replace('_', '-')}"
             value = context.params[name]
-            raise ValueError(f"{option} {reason}; remove {option}" + (f" {value}" if value is not True else ""))
+            value_text = "" if value is True else f" {' '.join(value) if isinstance(value, list) else value}"
+            raise ValueError(f"{option} {reason}; remove {option}{value_text}")

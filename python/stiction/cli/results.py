@@ -9,6 +9,7 @@ import typer
 
 from stiction._text import printable_path
 from stiction.cli.application import command, print_output
+from stiction.cli.loads import LoadsOption, parse_loads, report_missing_loads
 from stiction.cli.options import JsonOption, VerboseOption, WorkersOption, option, reject_options
 
 if TYPE_CHECKING:
@@ -109,23 +110,35 @@ def report(
     "stiction export figure6 figure6.nc",
     "stiction export pair pair.csv",
     "stiction export pair joint.csv --joint --compute",
+    "stiction export pair joint.csv --joint --load '2 MPa,5 MPa'",
     "stiction export pair card.inp --units m,N,Pa",
+    "stiction export shear parameters.csv --joint",
+    "stiction export shear gap.npy --gap",
 )
 def export(
     context: typer.Context,
-    directory: DirectoryArgument,
+    directory: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Directory of a result of `pair`, `run` or `shear`.")
+    ],
     file: Annotated[
         Path,
         typer.Argument(
             metavar="FILE",
-            help="File to write: .nc, .csv or .tex; with --joint, .csv or .json; or a card of the joint for Abaqus and "
-            "CalculiX (.inp), Ansys (.mac) or LIGGGHTS (.liggghts). It must not exist.",
+            help="File to write: .nc, .csv or .tex; with --joint, .csv or .json; with --gap, .npy or .csv; or a card "
+            "of the joint for Abaqus and CalculiX (.inp), Ansys (.mac) or LIGGGHTS (.liggghts). It must not exist.",
         ),
     ],
     *,
+    load: LoadsOption = None,
     joint: Annotated[
-        bool, option("--joint", "Write the joint: closure, stiffness, friction and true area against pressure.")
+        bool,
+        option(
+            "--joint",
+            "Write the joint: closure, stiffness and friction against pressure, and true area, or "
+            "for shear tests peak and dilation.",
+        ),
     ] = False,
+    gap: Annotated[bool, option("--gap", "Write the gap between the faces of a shear test, for `pair --gap`.")] = False,
     units: Annotated[
         str | None, option("--units UNITS", "Units of the joint: mm,N,MPa, m,N,Pa or um,mN,GPa.", "mm,N,MPa")
     ] = None,
@@ -136,34 +149,55 @@ def export(
 ) -> None:
     """Write the stored result, a table of its values, or the joint for a finite-element model.
 
-    A netCDF file contains the whole result, and a .csv file the values at the loads shown by `info`, for all fractal
-    dimensions. The joint is a table of contact properties against pressure (--joint), or a card that contains them.
-    Between the computed loads, its values are interpolated unless --compute is given.
+    A netCDF file contains the whole result, and a .csv file the values at --load or at the loads shown by `info`, for
+    all fractal dimensions. The joint is a table of contact properties against pressure (--joint), or a card that
+    contains them. Between the computed loads, its values are interpolated unless --compute is given. For a shear test,
+    a .csv file contains the curve or, with --joint, the parameters of a joint model.
     """
     from stiction.cli.result_output import open_result_with_warning
+    from stiction.direct_shear import export_shear_test
+    from stiction.evaluate.computed_loads import find_loads_without_values
+    from stiction.solve.store import load_shear_test
     from stiction.summary.joint_table import DEFAULT_JOINT_UNITS
     from stiction.views.files import check_joint_file, is_card
 
     chosen_units: Any = units
+    if (test := load_shear_test(directory)) is not None:
+        reject_options(context, "does not apply to shear tests", "load", "compute", "workers")
+        if gap:
+            reject_options(context, "cannot be combined with --gap", "joint", "units")
+        elif not joint:
+            reject_options(context, "requires --joint", "units")
+        export_shear_test(test, file, joint=joint, gap=gap, units=chosen_units)
+        print_output(f"wrote {printable_path(file)}")
+        return
+    reject_options(context, "applies only to shear tests", "gap")
     result = open_result_with_warning(directory)
+    loads = None if load is None else parse_loads(result, load)
     if compute:
         if not (joint or is_card(file)):
             reject_options(context, "applies only to joint tables and cards", "compute")
         check_joint_file(file, DEFAULT_JOINT_UNITS if units is None else chosen_units)
-        result = _compute_joint(result, directory / JOINT_DIRECTORY, workers)
+        result = _compute_joint(result, directory / JOINT_DIRECTORY, workers, loads)
     else:
         reject_options(context, "requires --compute", "workers")
-    result.export(file, joint=joint, units=chosen_units)
+    if loads is not None:
+        values = result.at(loads, quantities=[])
+        report_missing_loads(result, values, find_loads_without_values(result, values))
+    result.export(file, load=loads, joint=joint, units=chosen_units)
     print_output(f"wrote {printable_path(file)}")
 
 
-def _compute_joint(result: Result, directory: Path, workers: int | None) -> Result:
-    """Compute a pair at all loads of its joint table, and replace a result of another study in the directory."""
+def _compute_joint(result: Result, directory: Path, workers: int | None, loads: list[float] | None) -> Result:
+    """Compute a pair at all loads of its joint table, or at its own and the given loads (mN).
+
+    A result of another study in the directory is replaced.
+    """
     from stiction.cli.execution import compute_result_in_directory, open_executor
     from stiction.solve.store import StudyMismatchError
     from stiction.summary.joint_table import build_joint_study
 
-    study = build_joint_study(result.study, result.nominal_area)
+    study = build_joint_study(result.study, result.nominal_area, loads)
     with open_executor(workers, None) as executor:
         try:
             return compute_result_in_directory(study, directory, executor, onset=0)

@@ -106,7 +106,7 @@ def shear(
     from stiction.views.files import REPORT_FILE_SIGNATURE, check_all_replaceable, replace_text_file
     from stiction.views.json_record import record_json
     from stiction.views.report.shear import shear_page
-    from stiction.views.shear import CSV_SIGNATURE, list_caveats, shear_csv, shear_text, shear_values
+    from stiction.views.shear import CSV_SIGNATURE, describe_inputs, list_caveats, shear_csv, shear_text, shear_values
     from stiction.views.style import FIGURE_FILE_SIGNATURES, save_figure
 
     check_output_directory(output)
@@ -132,10 +132,8 @@ def shear(
     except KeyboardInterrupt:
         raise report_interruption("; run the same command again to resume from the stored steps") from None
     if as_json:
-        attributes = {name: value for name, value in test.attrs.items() if name != "key"}
-        print_output(
-            record_json("shear", shear_values(test), kind="shear", inputs=attributes, caveats=list_caveats(test))
-        )
+        inputs, caveats = describe_inputs(test), list_caveats(test)
+        print_output(record_json("shear", shear_values(test), kind="shear", inputs=inputs, caveats=caveats))
     else:
         print_output(shear_text(test, verbose=verbose))
     replace_text_file(output / CSV_FILE_NAME, shear_csv(test), signatures[CSV_FILE_NAME])

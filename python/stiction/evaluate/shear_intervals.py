@@ -19,7 +19,7 @@ from stiction._estimate import extend_intervals
 from stiction.evaluate.budget import find_inputs_and_strengths
 from stiction.evaluate.combined_intervals import compute_quantiles
 from stiction.mechanics.friction import LOAD_SUM_NAMES, STATUS_DOWNHILL, STATUS_OK, FrictionLaw
-from stiction.mechanics.shear import ShearBox, compute_dilation_angles
+from stiction.mechanics.shear import CLOSURE_NAMES, ShearBox, compute_dilation_angles
 from stiction.study.input_distributions import NUM_INPUT_SAMPLES, generate_sobol_points
 from stiction.study.inputs import Inputs
 from stiction.study.interfaces import InterfaceStrength
@@ -172,9 +172,17 @@ def _sample_test(
     with np.errstate(invalid="ignore"):
         coefficient = np.divide(tangential, normal, out=np.full_like(normal, np.inf), where=normal > 0)
     coefficient = np.where(curves.has_no_solution, np.inf, coefficient)
-    dilation = curves.sample(lambda varied_test: varied_test["dilation"].values)
+    dilation = curves.sample(partial(_get_values, name="dilation"))
     stress = coefficient * curves.sample(lambda varied_test: _divide_values(varied_test, "normal_load", "overlap_area"))
-    return _summarize_samples(test, coefficient, stress, np.broadcast_to(dilation, coefficient.shape))
+    count = len(coefficient)
+    closures = {name: curves.sample(partial(_get_values, name=name)) for name in CLOSURE_NAMES}
+    return _summarize_samples(test, coefficient, stress, np.broadcast_to(dilation, coefficient.shape)) | {
+        name: np.broadcast_to(values, (count, values.shape[-1])) for name, values in closures.items()
+    }
+
+
+def _get_values(test: xr.Dataset, name: str) -> Floats:
+    return np.asarray(test[name].values)
 
 
 def _divide_values(test: xr.Dataset, name: str, divisor: str) -> Floats:
@@ -231,7 +239,9 @@ def _estimate_strip_errors(test: xr.Dataset, strips: Sequence[xr.Dataset]) -> _S
     coefficient = np.where(np.isfinite(coefficient), coefficient, np.nan)
     stress, dilation = (np.stack([strip[name].values for strip in strips]) for name in ("shear_stress", "dilation"))
     standard_errors, strip_counts = {}, {}
-    for name, values in _summarize_samples(test, coefficient, stress, dilation).items():
+    values_by_name = _summarize_samples(test, coefficient, stress, dilation)
+    values_by_name |= {name: np.stack([strip[name].values for strip in strips]) for name in CLOSURE_NAMES}
+    for name, values in values_by_name.items():
         is_known = np.isfinite(values)
         strip_counts[name] = is_known.sum(axis=0)
         has_scatter = strip_counts[name] > 1
@@ -246,7 +256,7 @@ def add_shear_intervals(
     test: xr.Dataset, samples: Sequence[ShearInputSamples], variations: Sequence[tuple[ContactVariation, xr.Dataset]],
     strips: Sequence[xr.Dataset],
 ) -> xr.Dataset:  # fmt: skip
-    """Add 95 % intervals to the curves and peak values of a shear test.
+    """Add 95 % intervals to the curves, the closure and the peak values of a shear test.
 
     `variations` are the tests at the limits of the inputs, and `strips` are the tests of the strips. The standard error
     of the mean over the strips counts as the error of the test, with Student's t distribution. There is no interval
@@ -259,16 +269,17 @@ def add_shear_intervals(
         sampled_tests = [_sample_test(test, input_samples, variations) for input_samples in samples]
         probabilities = samples[0].probabilities
     elif strips:
-        curves = (np.asarray(test[name].values)[np.newaxis] for name in CURVE_NAMES)
+        curves = (_get_values(test, name)[np.newaxis] for name in CURVE_NAMES)
+        closures = {name: _get_values(test, name)[np.newaxis] for name in CLOSURE_NAMES}
         sampled_tests, probabilities = (
-            [_summarize_samples(test, *curves)],
+            [_summarize_samples(test, *curves) | closures],
             _draw_points(1, test.sizes["displacement"])[:, 0],
         )
     else:
         return test
     limits = {}
     for name in sampled_tests[0]:
-        value = test[name].values if name in CURVE_NAMES else np.asarray(test.attrs[name])
+        value = test[name].values if name in (*CURVE_NAMES, *CLOSURE_NAMES) else np.asarray(test.attrs[name])
         shift = 0.0 if strip_errors is None else strip_errors.error_quantiles(name, value.shape, probabilities)
         limits[name] = _extend_to_value(
             name, value, [_compute_limits(sampled_test[name] + shift) for sampled_test in sampled_tests]
@@ -315,9 +326,10 @@ def _store_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
     is_ok = test["status"].values == STATUS_OK
     variables = {
         f"{name}_interval": (
-            ("end", "displacement"), np.where(is_ok | (name != "friction_coefficient"), limits[name].T, np.nan),
+            ("end", *test[name].dims), np.where(is_ok, limits[name].T, np.nan) if name == "friction_coefficient"
+            else limits[name].T,
             test[name].attrs | {"long_name": f"95 % interval of the {test[name].attrs['long_name']}"},
         )
-        for name in CURVE_NAMES
+        for name in (*CURVE_NAMES, *CLOSURE_NAMES)
     }  # fmt: skip
     return test.assign_coords(end=["lower", "upper"]).assign(variables).assign_attrs(attributes)

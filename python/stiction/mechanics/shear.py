@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._checks import Floats
+from stiction._checks import Floats, check_instance
 from stiction._errors import NoSolutionError
 from stiction.mechanics.friction import (
     LOAD_SUM_NAMES,
@@ -32,10 +32,9 @@ from stiction.mechanics.friction import (
 )
 from stiction.mechanics.half_space import BoundaryCondition, HalfSpaceCurve, TiltMode, half_space
 from stiction.mechanics.half_space_problem import solver_thread_count
-from stiction.mechanics.joint_closure import BandisLaw, fit_bandis_law
 from stiction.mechanics.model import ContactModel
 from stiction.mechanics.patches import grid_slopes, patch_sums
-from stiction.mechanics.quantities import quantity_attributes
+from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR, STIFFNESS_PER_AREA_UNIT, quantity_attributes
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
 from stiction.surfaces.profile import Profile, combine_missing_masks, select_from_mask
 from stiction.surfaces.surface import Surface
@@ -70,6 +69,9 @@ MAX_ROUND_OFF_GAP = 1e-9
 NUM_CLOSURE_LOADS = 8
 MAX_TO_MIN_CLOSURE_LOAD_RATIO = 50.0
 
+CLOSURE_NAMES = "closure", "closure_stiffness"
+"""Names of the quantities of a shear test over the normal stress at the start of the path."""
+
 _STEP_QUANTITIES = (
     *LOAD_SUM_NAMES, "contact_area", "overlap_area", "contact_count", "load_fraction_at_hardness",
     "load_fraction_at_edges", "height",
@@ -88,6 +90,10 @@ _VARIABLE_ATTRIBUTES: dict[str, dict[str, str]] = {
     "load_fraction_at_hardness": {"units": "1", "long_name": "fraction of the load at the hardness"},
     "load_fraction_at_edges": {"units": "1", "long_name": "fraction of the load at the edges of the faces"},
     "elastic_energy": {"units": "nJ", "long_name": "elastic energy of the faces"},
+    "normal_stress": {"units": "GPa", "long_name": "normal stress on the overlap at the start of the path"},
+    "closure": {"units": "um", "long_name": "closure at the start of the path"},
+    "closure_stiffness": {"units": STIFFNESS_PER_AREA_UNIT, "long_name": "stiffness of closure at the start"},
+    "gap": {"units": "um", "long_name": "gap between the faces at the start, at first contact"},
 }
 
 
@@ -380,19 +386,50 @@ class ShearBox:
     def _compute_normal_load(self, row: StepResult) -> float:
         return float(self.law.load("normal", row))
 
-    def solve_closure(self, record: SolutionRecord) -> BandisLaw:
-        """Fit Bandis' law to the closure at the start of the path, computed up to the initial normal load."""
+    def solve_closure(self, record: SolutionRecord) -> xr.Dataset:
+        """Return closure and stiffness of closure at the start of the path, up to the initial normal stress.
+
+        The dataset has the dimension `normal_stress` (GPa). All values are NaN if the contact has no solution. The
+        stiffness is also NaN where it is infinite, in full contact.
+        """
+        import xarray as xr
+
         loads = self.load * np.geomspace(1 / MAX_TO_MIN_CLOSURE_LOAD_RATIO, 1.0, NUM_CLOSURE_LOADS)
         offset = np.zeros(self.lower.heights.ndim, np.int64)
 
         def solve_closures() -> StepResult:
-            return {"closure": self.solve_contact(offset, loads).closure}
+            curve = self.solve_contact(offset, loads)
+            stiffness = curve.closure_stiffness * STIFFNESS_PER_AREA_FACTOR
+            return {
+                "closure": curve.closure, "closure_stiffness": np.where(np.isfinite(stiffness), stiffness, math.nan),
+            }  # fmt: skip
 
         try:
-            closure = record.run_step(solve_closures, NoSolutionError)["closure"]
+            values = record.run_step(solve_closures, NoSolutionError)
         except NoSolutionError:
-            closure = np.zeros(loads.size)
-        return fit_bandis_law(loads / self.initial_overlap_area, closure)
+            values = dict.fromkeys(CLOSURE_NAMES, np.full(loads.size, math.nan))
+        stress = "normal_stress", loads / self.initial_overlap_area, _VARIABLE_ATTRIBUTES["normal_stress"]
+        variables = {name: ("normal_stress", values[name], _VARIABLE_ATTRIBUTES[name]) for name in CLOSURE_NAMES}
+        return xr.Dataset(variables, {"normal_stress": stress})
+
+    @property
+    def initial_gap(self) -> xr.DataArray:
+        """Gap (µm) between the faces at the start of the path, 0 where they first touch, and NaN at missing points.
+
+        The positions (µm) along `gap_y` and `gap_x` start at the first point of the overlap.
+        """
+        import xarray as xr
+
+        upper, lower = _close_round_off_gap(*self.faces_at(np.zeros(self.lower.heights.ndim, np.int64)))
+        missing = combine_missing_masks(upper, lower)
+        gap = upper.heights - lower.heights
+        gap = gap if missing is None else np.where(missing, math.nan, gap)
+        attributes = {"units": "um", "long_name": "position from the first point of the gap"}
+        coordinates = {
+            axis: (axis, np.arange(count) * step, attributes)
+            for axis, count, step in zip(("gap_y", "gap_x")[-gap.ndim :], gap.shape, lower.spacings, strict=True)
+        }
+        return xr.DataArray(gap - np.nanmin(gap), coordinates, tuple(coordinates), attrs=_VARIABLE_ATTRIBUTES["gap"])
 
     def solve_peak_pressure(
         self, test: xr.Dataset, offsets: NDArray[np.int64], rows: list[StepResult], record: SolutionRecord
@@ -528,6 +565,50 @@ def compute_dilation_angles(displacement: Floats, dilation: Floats) -> Floats:
         displacement[next_index] - displacement[previous_index]
     )
     return np.asarray(np.degrees(np.arctan(slopes)))
+
+
+def shear_gap(test: xr.Dataset) -> Profile | Surface:
+    """Return the gap between the two faces of a shear test at the start of its path, as a profile or a height map.
+
+    The gap is 0 where the faces first touch, and large where they are open. Registered faces are in the position of
+    best fit. `pair(gap=...)` computes the closure of a map of the gap, for any hardness and load.
+
+    Parameters
+    ----------
+    test : xarray.Dataset
+        Result of `shear_test`.
+
+    Raises
+    ------
+    ValueError
+        If the dataset contains no gap.
+
+    Examples
+    --------
+    >>> from stiction import Surface, self_affine_surface, shear_gap, shear_test
+    >>> lower, noise = (
+    ...     self_affine_surface(seed, hurst_exponent=0.8, rms=rms, shape=(64, 64), spacing=50.0)
+    ...     for seed, rms in ((1, 20.0), (2, 1.0))
+    ... )
+    >>> upper = Surface(-(lower.heights + noise.heights)[::-1], spacing=lower.spacing)
+    >>> gap = shear_gap(shear_test(upper, lower, path="0.1 mm", load="1 MPa", mu0=0.6, effective_modulus="16 GPa"))
+    >>> float(gap.heights.min()), float(gap.heights.std().round(2))
+    (0.0, 0.99)
+    """
+    import xarray as xr
+
+    check_instance("test", test, xr.Dataset, "a dataset from shear_test")
+    if "gap" not in test:
+        raise ValueError("the dataset test must contain the gap of the faces, as a result of shear_test does")
+    gap = test["gap"]
+    spacing = tuple(float(test[axis][1]) for axis in gap.dims)
+    missing = np.isnan(gap.values)
+    body_type: Any = Surface if gap.ndim == 2 else Profile
+    body: Profile | Surface = body_type(
+        np.where(missing, 0.0, gap.values), spacing=spacing if gap.ndim == 2 else spacing[0],
+        history=("gap between two faces at first contact",), missing=missing if missing.any() else None,
+    )  # fmt: skip
+    return body
 
 
 def summarize_curve(dataset: xr.Dataset) -> dict[str, Any]:

@@ -34,6 +34,7 @@ from stiction._core import __version__
 from stiction._files import (
     DirectoryClaim,
     UnreadableFileError,
+    check_replaceable,
     create_file_atomically,
     describe_os_error,
     read_file_bytes,
@@ -476,13 +477,27 @@ def open_stored_result(path: str | Path) -> StoredResult:
     except FileNotFoundError:
         if (path / SHEAR_TEST_FILE_NAME).exists():
             raise StoreError(
-                f"{printable_path(path)} contains a shear test, which info, plot, report and export do not read; its "
-                f"values are in shear.csv or {SHEAR_TEST_FILE_NAME}"
+                f"{printable_path(path)} contains a shear test, which info, plot and report do not read; its values "
+                f"are in shear.csv and {SHEAR_TEST_FILE_NAME}, and stiction export writes them"
             ) from None
         raise StoreError(f"{printable_path(path)} is not a result, because it contains no {STUDY_FILE}") from None
     except OSError as error:
         raise StoreError(f"{printable_path(path)}: {STUDY_FILE} cannot be read: {describe_os_error(error)}") from None
     return StoredResult(path, study, blocks)
+
+
+def load_shear_test(directory: Path) -> xarray.Dataset | None:
+    """Return the finished shear test in a directory, or None if there is none.
+
+    Raises a `ValueError` if the file is not one that a shear test wrote.
+    """
+    import xarray
+
+    path = directory / SHEAR_TEST_FILE_NAME
+    if not path.exists():
+        return None
+    check_replaceable(path, CHECKSUM_PREFIX, ValueError)
+    return xarray.load_dataset(path, engine="h5netcdf")
 
 
 def open_result_to_complete(path: Path) -> StoredResult | None:

@@ -168,10 +168,15 @@ def choose_joint_loads(study: Study, nominal_area: float | None) -> Floats:
     return np.unique([*loads_between_steps, *steps])
 
 
-def build_joint_study(study: Study, nominal_area: float | None) -> Study:
-    """Return a copy of a measured pair's study in which the loads are those of its joint table."""
-    loads = choose_joint_loads(study, nominal_area).tolist()
-    return study.with_changes({"contact.load": [f"{load!r} mN" for load in loads]})
+def build_joint_study(study: Study, nominal_area: float | None, loads: Sequence[float] | None = None) -> Study:
+    """Return a copy of a measured pair's study in which the loads are those of its joint table.
+
+    If `loads` (mN) are given, the study contains them and the computed loads instead.
+    """
+    table_loads = choose_joint_loads(study, nominal_area)
+    if loads is not None:
+        table_loads = np.unique([*study.contact.loading_steps(), *loads])
+    return study.with_changes({"contact.load": [f"{load!r} mN" for load in table_loads.tolist()]})
 
 
 def build_joint_table(at: xarray.Dataset, study: Study, units: str, assessments: Mapping[float, str]) -> JointTable:

@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from stiction._files import check_creatable, check_replaceable, create_file_atomically, replace_file_atomically
 from stiction._text import printable_path
 from stiction.summary.evaluation import Evaluation
 from stiction.summary.joint_table import DEFAULT_JOINT_UNITS, JointTable, JointUnits, UnitSystem
+from stiction.summary.summary import Summary
 from stiction.views.joint import abaqus_card, ansys_card, joint_csv, joint_json, liggghts_card
 from stiction.views.latex import latex_table
 from stiction.views.rows import summary_table
 from stiction.views.sentence import quotable_sentences
+from stiction.views.shear import shear_parameters_csv, shear_parameters_json
 from stiction.views.spreadsheet import frame_to_csv
 from stiction.views.style import FIGURE_FILE_SIGNATURES
+
+if TYPE_CHECKING:
+    import xarray
 
 RESULT_TABLE_NAME = "result.csv"
 REPORT_FILE_SIGNATURE = "<!doctype html>\n<!-- A report of stiction -->\n"
@@ -46,9 +52,14 @@ def write_new_text_file(path: Path, text: str) -> None:
         partial_path.write_text(text, encoding="utf-8")
 
 
+def summary_csv(summary: Summary) -> str:
+    """Return friction and other quantities of a summary as CSV."""
+    return frame_to_csv(summary_table(summary))
+
+
 def result_csv(result: Evaluation) -> str:
     """Return friction and other quantities of a result at the loads of its study as CSV."""
-    return frame_to_csv(summary_table(result.complete_summary()))
+    return summary_csv(result.complete_summary())
 
 
 EXPORT_WRITERS: dict[str, tuple[str, Callable[[Evaluation, Path], None]]] = {
@@ -57,6 +68,12 @@ EXPORT_WRITERS: dict[str, tuple[str, Callable[[Evaluation, Path], None]]] = {
     ".tex": ("a LaTeX table", lambda result, path: write_new_text_file(path, latex_table(result.summary()))),
 }
 """Description and writer of each format in which a result can be written, by file name extension."""
+
+TABLE_FORMATS: dict[str, tuple[str, Callable[[Summary], str]]] = {
+    ".csv": ("a table", summary_csv),
+    ".tex": ("a LaTeX table", latex_table),
+}
+"""Formats of a table at given loads: description and function that writes the table, by file name extension."""
 
 
 CARD_FORMATS: dict[str, tuple[str, Callable[[JointTable, str], str]]] = {
@@ -77,19 +94,44 @@ def write_result(result: Evaluation, path: Path) -> None:
 
     Raises a `ValueError` if the file exists, if it cannot be written, or if the extension is not in `EXPORT_WRITERS`.
     """
-    _check_ending(path, {ending: description for ending, (description, _) in EXPORT_WRITERS.items()})
+    check_ending(path, {ending: description for ending, (description, _) in EXPORT_WRITERS.items()})
     EXPORT_WRITERS[path.suffix.lower()][1](result, path)
 
 
-def write_joint_table(result: Evaluation, path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> None:
-    """Write the joint table of a result to a new file in one of `JOINT_FORMATS`.
+def write_table_at_loads(result: Evaluation, path: Path, load: Any) -> None:
+    """Write a table of a result at given loads, as for `Result.at`, to a new file in one of `TABLE_FORMATS`.
+
+    Raises a `ValueError` as `write_result` does.
+    """
+    check_ending(path, {ending: description for ending, (description, _) in TABLE_FORMATS.items()})
+    check_creatable(path, ValueError)
+    write_new_text_file(path, TABLE_FORMATS[path.suffix.lower()][1](result.summary(load)))
+
+
+def write_joint_table(
+    result: Evaluation, path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS, *, load: Any = None
+) -> None:
+    """Write the joint table of a result, at all loads or at given ones, to a new file in one of `JOINT_FORMATS`.
 
     Raises a `ValueError` as `write_result` does, or if the result has no joint table.
     """
     check_joint_file(path, units)
-    table = result.joint_table(units=units)
+    table = result.joint_table(load, units=units)
     sentence = quotable_sentences(result.summary())[0]
     write_new_text_file(path, JOINT_FORMATS[path.suffix.lower()][1](table, sentence))
+
+
+SHEAR_PARAMETER_FORMATS = {".csv": ("a table", shear_parameters_csv), ".json": ("a table", shear_parameters_json)}
+"""Formats of the joint-model parameters of a shear test: description and function that writes them, by extension."""
+
+
+def write_shear_parameters(test: xarray.Dataset, path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> None:
+    """Write the joint-model parameters of a shear test to a new file in one of `SHEAR_PARAMETER_FORMATS`.
+
+    Raises a `ValueError` as `write_result` does.
+    """
+    check_ending(path, {ending: description for ending, (description, _) in SHEAR_PARAMETER_FORMATS.items()})
+    write_new_text_file(path, SHEAR_PARAMETER_FORMATS[path.suffix.lower()][1](test, units))
 
 
 def check_joint_file(path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> None:
@@ -97,7 +139,7 @@ def check_joint_file(path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> Non
 
     Raises the same errors as `write_joint_table`.
     """
-    _check_ending(path, {ending: description for ending, (description, _) in JOINT_FORMATS.items()})
+    check_ending(path, {ending: description for ending, (description, _) in JOINT_FORMATS.items()})
     JointUnits.parse(units)
     check_creatable(path, ValueError)
 
@@ -107,7 +149,8 @@ def is_card(path: Path) -> bool:
     return path.suffix.lower() in CARD_FORMATS
 
 
-def _check_ending(path: Path, descriptions: Mapping[str, str]) -> None:
+def check_ending(path: Path, descriptions: Mapping[str, str]) -> None:
+    """Raise a `ValueError` if a file name has none of the extensions for which there are descriptions."""
     if path.suffix.lower() not in descriptions:
         allowed_extensions = " or ".join(f"{ending} ({text})" for ending, text in descriptions.items())
         raise ValueError(f"{printable_path(path)}: the file name must end in {allowed_extensions}")

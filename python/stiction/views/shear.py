@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._estimate import Estimate
+from stiction._estimate import Estimate, estimate_column_titles
 from stiction._number_format import choose_prefixed_unit, format_percent, format_significant, format_with_unit
 from stiction.mechanics.friction import (
     CENTRAL_SHEAR_RATIO,
@@ -20,8 +21,11 @@ from stiction.mechanics.friction import (
     STATUS_SELF_LOCKED,
 )
 from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR, STIFFNESS_PER_AREA_UNIT
+from stiction.mechanics.shear import CLOSURE_NAMES
 from stiction.summary.assessment import MIN_CONTACTS_PER_MEMBER_WITHOUT_CAVEAT, MIN_LOAD_FRACTION_AT_HARDNESS
+from stiction.summary.joint_table import JOINT_TITLES, JointUnits, UnitSystem
 from stiction.surfaces.joint_roughness import MAX_Z2, MIN_Z2, SAMPLING_INTERVAL
+from stiction.views.json_record import record_json
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.spreadsheet import frame_to_csv
 
@@ -53,6 +57,15 @@ _CSV_COLUMNS = {
     "overlap_area": ("overlap (um2)", 1.0), "load_fraction_at_hardness": ("load fraction at the hardness", 1.0),
     "load_fraction_at_edges": ("load fraction at the edges", 1.0),
 }  # fmt: skip
+_PARAMETER_TITLES = {
+    "peak_friction_angle": "peak friction angle", "peak_friction_coefficient": "peak friction coefficient",
+    "displacement_at_peak": "displacement at the peak", "normal_stress_at_peak": "normal stress at the peak",
+    "dilation_angle_at_peak": "dilation angle at the peak", "peak_shear_stress": "shear strength",
+    "end_friction_angle": "friction angle at the end", "end_displacement": "displacement at the end",
+    "end_dilation": "dilation at the end", "jrc": "JRC", "z2": "Z2",
+}  # fmt: skip
+"""Column titles of the parameters of a joint model that hold at the normal stress of a shear test."""
+
 CSV_SIGNATURE = _CSV_COLUMNS["load_fraction_at_hardness"][0].encode()
 """Bytes by which the program recognizes a CSV file of a shear test that it may replace."""
 
@@ -69,13 +82,17 @@ _NO_PEAK_REASONS: dict[str, str] = {
 
 def curve_estimate(test: xarray.Dataset, name: str, index: int) -> Estimate:
     """Return a quantity of a shear test at one displacement, as an estimate with its interval."""
-    limits = [math.nan, math.nan]
+    return replace(_read_variable(test, name, "displacement", index), status=str(test["status"].values[index]))
+
+
+def _read_variable(test: xarray.Dataset, name: str, dimension: str, index: int) -> Estimate:
+    """Return one value of a variable of a shear test, as an estimate with its interval."""
+    value, limits = float(test[name][index]), [math.nan, math.nan]
     if f"{name}_interval" in test:
-        limits = test[f"{name}_interval"].isel(displacement=index).values.tolist()
-    curve = test[name]
+        limits = test[f"{name}_interval"].isel({dimension: index}).values.tolist()
     return Estimate(
-        float(curve[index]), *limits, name=name, unit=curve.attrs["units"],
-        kind="" if np.isnan(limits).any() else "combined", status=str(test["status"].values[index]),
+        value, *limits, name=name, unit=test[name].attrs["units"],
+        kind="" if np.isnan(limits).any() else "combined", status="no-value" if math.isnan(value) else STATUS_OK,
     )  # fmt: skip
 
 
@@ -99,13 +116,23 @@ def headline_estimates(test: xarray.Dataset) -> dict[str, Estimate]:
 
 
 def shear_values(test: xarray.Dataset) -> list[dict[str, Any]]:
-    """Return the results of a shear test as JSON fields: peak, end, and all quantities at each displacement."""
+    """Return the results of a shear test as JSON fields: peak, end, and all quantities at each displacement.
+
+    The last fields are closure and stiffness of closure at each normal stress at the start.
+    """
     return [
         *(estimate.to_record() for estimate in headline_estimates(test).values()),
         *(
             curve_estimate(test, name, index).to_record({"displacement": displacement})
             for index, displacement in enumerate(test["displacement"].values.tolist())
             for name in ("friction_coefficient", "shear_stress", "dilation", "contact_area_fraction", "normal_load")
+        ),
+        *(
+            _read_variable(test, name, "normal_stress", index).to_record({"normal_stress": normal_stress})
+            for index, normal_stress in enumerate(
+                test["normal_stress"].values.tolist() if "normal_stress" in test else ()
+            )
+            for name in CLOSURE_NAMES
         ),
     ]
 
@@ -251,6 +278,10 @@ def headline_lines(test: xarray.Dataset) -> list[str]:
     if test.attrs["strips"] > 0 or test.attrs["uncertain_inputs"] != "":
         lines.append(_interval_text(test.attrs))
     lines.append(_roughness_text(test.attrs))
+    if "closure_stiffness" in test and not math.isnan(float(test["closure_stiffness"][-1])):
+        stiffness = _read_variable(test, "closure_stiffness", "normal_stress", -1)
+        stress_text = format_with_unit(float(test["normal_stress"][-1]), "GPa")
+        lines.append(f"stiffness of closure at the start: {stiffness.text()} {stiffness.unit} at {stress_text}")
     if not math.isnan(float(test.attrs["closure_misfit"])):
         lines.append(_closure_text(test.attrs))
     if "registration_rms_gap_um" in test.attrs:
@@ -362,6 +393,96 @@ def _format_column(test: Any, name: str, largest: float) -> tuple[str, list[str]
     factor, unit = choose_prefixed_unit(largest, test[name].attrs["units"])
     number_texts = [format_significant(value / factor, 3) for value in test[name].values]
     return f"{name.replace('_', ' ')} ({unit})", number_texts
+
+
+# ---- Parameters of joint models --------------------------------------------------------------------------------------
+
+
+def shear_parameters_csv(test: xarray.Dataset, units: UnitSystem) -> str:
+    """Return the parameters of a joint model that a shear test gives as CSV, one row per normal stress.
+
+    Closure and stiffness are in all rows, all others in the last row, which is at the normal stress of the test.
+    """
+    import pandas
+
+    rows = _list_parameter_rows(test, units)
+    names = list(rows[-1])
+    columns: dict[str, list[float]] = {}
+    for name in names:
+        estimates = [row.get(name, Estimate(math.nan)) for row in rows]
+        title = "normal stress" if name == "normal_stress" else (_PARAMETER_TITLES | JOINT_TITLES)[name]
+        titles = estimate_column_titles(title, estimates[-1].unit)
+        columns[titles["value"]] = [estimate.value for estimate in estimates]
+        if any(estimate.has_interval for estimate in estimates):
+            columns[titles["lower"]] = [estimate.lower for estimate in estimates]
+            columns[titles["upper"]] = [estimate.upper for estimate in estimates]
+    return frame_to_csv(pandas.DataFrame(columns))
+
+
+def shear_parameters_json(test: xarray.Dataset, units: UnitSystem) -> str:
+    """Return the parameters of a joint model that a shear test gives as JSON, with inputs, units and caveats."""
+    parsed_units = JointUnits.parse(units)
+    records = [
+        estimate.to_record({"normal_stress": row["normal_stress"].value})
+        for row in _list_parameter_rows(test, units)
+        for name, estimate in row.items()
+        if name != "normal_stress"
+    ]
+    unit_names = {"length": parsed_units.length, "force": parsed_units.force, "pressure": parsed_units.pressure}
+    return (
+        record_json(
+            "export", records, kind="shear_joint", units=unit_names, inputs=describe_inputs(test),
+            caveats=list_caveats(test),
+        )
+        + "\n"
+    )  # fmt: skip
+
+
+def describe_inputs(test: xarray.Dataset) -> dict[str, Any]:
+    """Return the inputs and the summary of a shear test for JSON."""
+    return {str(name): value for name, value in test.attrs.items() if name != "key"}
+
+
+def _list_parameter_rows(test: xarray.Dataset, units: UnitSystem) -> list[dict[str, Estimate]]:
+    """Return the parameters of a joint model by name, for each normal stress, in a unit system."""
+    parsed_units = JointUnits.parse(units)
+    rows = [
+        {
+            "normal_stress": Estimate(stress, name="normal_stress", unit="GPa"),
+            **{name: _read_variable(test, name, "normal_stress", index) for name in CLOSURE_NAMES},
+        }
+        for index, stress in enumerate(test["normal_stress"].values.tolist())
+    ]
+    rows[-1] |= _estimate_parameters(test)
+    return [{name: parsed_units.convert(estimate) for name, estimate in row.items()} for row in rows]
+
+
+def _estimate_parameters(test: xarray.Dataset) -> dict[str, Estimate]:
+    """Return the parameters of a joint model at the normal stress of a shear test, in core units."""
+    values, end, status = headline_estimates(test), test.sizes["displacement"] - 1, str(test.attrs["peak_status"])
+    peak_stress = math.nan
+    if status == STATUS_OK:
+        peak = int(np.nanargmax(test["friction_coefficient"].values))
+        peak_stress = float(test["normal_load"][peak] / test["overlap_area"][peak])
+    jrc = float(test.attrs["jrc"])
+    parameters = {
+        **values,
+        "peak_friction_angle": _to_angle(values["peak_friction_coefficient"]),
+        "end_friction_angle": _to_angle(values["end_friction_coefficient"]),
+        "normal_stress_at_peak": Estimate(peak_stress, unit="GPa", status=status),
+        "end_displacement": Estimate(float(test["displacement"][end]), unit="um"),
+        "end_dilation": _read_variable(test, "dilation", "displacement", end),
+        "jrc": Estimate(jrc, status="outside-range" if math.isnan(jrc) else STATUS_OK),
+        "z2": Estimate(float(test.attrs["z2"])),
+    }
+    return {name: replace(parameters[name], name=name) for name in _PARAMETER_TITLES}
+
+
+def _to_angle(coefficient: Estimate) -> Estimate:
+    """Convert a friction coefficient to a friction angle in degrees."""
+    numbers = (coefficient.value, coefficient.lower, coefficient.upper)
+    value, lower, upper = (math.degrees(math.atan(number)) for number in numbers)
+    return replace(coefficient, value=value, lower=lower, upper=upper, unit="deg")
 
 
 def shear_csv(test: xarray.Dataset) -> str:
