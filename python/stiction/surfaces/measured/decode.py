@@ -122,7 +122,7 @@ class DecodedText:
 
     @cached_property
     def missing_word_pattern(self) -> re.Pattern[bytes]:
-        """Regular expression for the words that mark missing points: the usual words and the words in `words`."""
+        """Regular expression for words that mark missing points: the words in `words`, and usual words such as NaN."""
         words = sorted({*MISSING_POINT_WORDS, *(word.casefold() for word in self.words)}, key=len, reverse=True)
         word_alternatives = "|".join(re.escape(word).replace("\\ ", "[ _]?") for word in words)
         return re.compile(rf'(?i)(?<![^\s;,|"])(?:{word_alternatives})(?![^\s;,|"])'.encode())

@@ -43,11 +43,11 @@ def read_excel(data: bytes, words: tuple[str, ...] = ()) -> HeightChannels:
             "is an Excel workbook; install openpyxl to read it (pip install openpyxl), or save the sheet as .csv"
         ) from None
     try:
-        has_formulas_without_values = _scan_archive(data)
+        has_formulas_without_values = _check_archive(data)
         sheets = _read_sheets(load_workbook, data, data_only=True)
         if has_formulas_without_values:
             formulas = _read_sheets(load_workbook, data, data_only=False)
-            sheets = {title: _show_formulas_without_values(rows, formulas[title]) for title, rows in sheets.items()}
+            sheets = {title: _mark_formulas_without_values(rows, formulas[title]) for title, rows in sheets.items()}
     except (FormatError, MemoryError):
         raise
     except Exception as error:
@@ -92,13 +92,13 @@ def _read_sheets(
     return sheets
 
 
-def _show_formulas_without_values(rows: _Rows, formulas: _Rows) -> _Rows:
-    """Write a word into cells whose formula has no stored result, so that these cells do not count as empty."""
-    shown_rows = []
-    for number, formula_row in enumerate(formulas):
-        row = rows[number] if number < len(rows) else ()
+def _mark_formulas_without_values(rows: _Rows, formulas: _Rows) -> _Rows:
+    """Replace empty cells whose formula has no stored result by a word, so that these cells are not missing points."""
+    marked_rows = []
+    for row_index, formula_row in enumerate(formulas):
+        row = rows[row_index] if row_index < len(rows) else ()
         row = (*row, *(None,) * (len(formula_row) - len(row)))
-        shown_rows.append(
+        marked_rows.append(
             tuple(
                 _FORMULA_WITHOUT_VALUE
                 if cell is None and isinstance(formula, str) and formula.startswith("=")
@@ -106,14 +106,13 @@ def _show_formulas_without_values(rows: _Rows, formulas: _Rows) -> _Rows:
                 for cell, formula in itertools.zip_longest(row, formula_row)
             )
         )
-    return shown_rows
+    return marked_rows
 
 
-def _scan_archive(data: bytes) -> bool:
-    """Return whether a workbook contains formulas without stored results.
+def _check_archive(data: bytes) -> bool:
+    """Check the size of a workbook's content, and return whether it contains formulas without stored results.
 
-    Raises `FormatError` if the workbook contains too much text or too many XML tags, regardless of the sizes that the
-    archive declares.
+    Raises `FormatError` for too much text or too many XML tags, regardless of the sizes that the archive declares.
     """
     has_formulas_without_values = False
     with zipfile.ZipFile(io.BytesIO(data)) as archive:

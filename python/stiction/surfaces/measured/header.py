@@ -56,8 +56,8 @@ _UNIT_OF_Z_PATTERN = LazyPattern(
     r"\W*(?:z\s*([:=])\s*|(?:z|(heights?|höhen?))[\s_/]+|(?:z[\s_-]*)?(?:units?|einheit)(\s+))([^:=]{1,16}?)[\s,;]*",
     re.IGNORECASE,
 )
-"""Regular expression for a line with a unit after the name of the heights. Its second group is a name that may denote a
-size.
+"""Regular expression for a line with a unit after the name of the heights. The second group matches the name "height",
+which may denote the height of a map.
 """
 
 _UNIT_WITH_FACTOR_PATTERN = LazyPattern(
@@ -74,7 +74,7 @@ _UNIT_OF_Y_PATTERN = LazyPattern(
 _PLAIN_UNIT_PATTERN = LazyPattern(
     rf"\W*{_UNIT_WORDS}\s*[:=]\s*[\"']?([^\W\d][^\s\"',;]{{0,11}})[\"']?\W*", re.IGNORECASE
 )
-"""Regular expression for a line with a unit, but without the name of a quantity."""
+"""Regular expression for a line that declares a unit without naming a quantity, as in "Unit: nm"."""
 
 _UNIT_IN_RECORD_PATTERN = LazyPattern(rf"[{{,]\s*{_UNIT_WORDS}\s*[:=]\s*([^\s,;}}\]]{{1,12}})", re.IGNORECASE)
 """Regular expression for the unit of a column in a line such as ``{"name": "x", "unit": "mm"}, {"name": "z", "unit":
@@ -217,8 +217,8 @@ _SLOPE_NAME_PATTERN = LazyPattern(r".*(?<![^\W_])slopes?(?![^\W_]).*(?<![^\W_])(
 `_SLOPE_LINE_PATTERN` matches other header lines that declare the numbers to be slopes.
 """
 _SLOPE_VALUE_PATTERN = LazyPattern(r"[:=(]\s*[-+]?[0-9]")
-"""Regular expression for a value in a header line. A line that gives the value of a slope does not declare the numbers
-to be slopes.
+"""Regular expression for a number after a name, as in "slope = 0.1": such a line gives one slope, and does not declare
+the numbers of the table to be slopes.
 """
 
 _OTHER_AXIS_NAME_PATTERN = LazyPattern(
@@ -228,8 +228,8 @@ _OTHER_AXIS_NAME_PATTERN = LazyPattern(
     r"speed|velocity|energy|intensity|probability)(?![^\W_])",
     re.IGNORECASE,
 )
-"""Regular expression for the names of axes that are not positions. The group matches names that never denote a
-position, whatever their unit.
+"""Regular expression for the names of axes that are not positions, such as "time" or "t". The group matches names that
+do not denote a position even if their unit is a length, such as "wavelength".
 """
 
 _LENGTH_AXIS_PATTERN = LazyPattern(
@@ -277,7 +277,7 @@ _UNIT_AFTER_NAME_PATTERN = LazyPattern(
     rf"{_AXIS_NAME_PATTERN}\s*(?:/|\bin\b|,(?=\s*(?:[0-9]|\S{{1,8}}(?: \S{{1,8}})?$)))\s*(\S{{1,12}}(?: \S{{1,12}})?)",
     re.IGNORECASE,
 )
-"""Regular expression for a column name that ends with a unit after a stroke, a comma or "in"."""
+"""Regular expression for a column name with a unit after a slash, a comma or "in", as in "z/nm" or "height in nm"."""
 
 _SHORT_UNIT_AFTER_NAME_PATTERN = LazyPattern(
     rf"\W*(?:{_AXIS_NAME_PATTERN}|{_HEIGHT_WORDS})\s*[(\[]\s*(?-i:[a-zµ]{{1,4}})\s*[)\]]\W*", re.IGNORECASE
@@ -293,8 +293,8 @@ _SCALED_UNIT_PATTERN = LazyPattern(
     r"[nuµmp] m|(?:tenth|hundredth|thousandth)s? of [^\W\d_]+)",
     re.IGNORECASE,
 )
-"""Regular expression for a column name and a unit with a factor or in two parts, as in "z 10 nm", "z mm/100" or "z u
-m".
+"""Regular expression for a column name and a unit with a factor, as in "z 10 nm" and "z mm/100", or with a separate
+prefix, as in "z u m".
 """
 
 _NUMBERED_NAME_PATTERN = LazyPattern(r".*\b(?:profile?|scan|trace|line|track|messung|nr\.?|no\.?)", re.IGNORECASE)
@@ -306,7 +306,7 @@ _WORDS_LIKE_UNITS = ("point", "points", "pt", "pts", "line", "lines", "min", "se
 
 @dataclass(frozen=True)
 class ColumnHeadings:
-    """Names and units of a table's columns, and the height unit from a header line that mentions only heights."""
+    """Names and units of a table's columns, and the height unit if a header line declares a unit for heights alone."""
 
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
@@ -750,9 +750,9 @@ def _split_name(name: str) -> list[str]:
 
 
 def _find_unknown_unit(name: str) -> str | None:
-    """Return the words after an axis name that may be a unit.
+    """Return the text after the axis name in a column name if the text may be a unit, or None.
 
-    Returns None if these words are a remark or a number.
+    A remark or a number is not a unit.
     """
     match = _TEXT_AFTER_AXIS_NAME_PATTERN.fullmatch(name)
     if match is None:

@@ -37,7 +37,7 @@ MissingPointTreatment = Literal["error", "interpolate", "mask"]
 OutlierTreatment = Literal["keep", "mask"]
 
 MIN_EXTENT_IN_DIGITS = 1000
-"""Minimum distance between the first and the last of slightly uneven positions, in units of their last printed digit.
+"""Minimum length of a profile with slightly uneven positions, in units of the last printed digit of the positions.
 
 The spacing then has a relative error of at most 1/1000.
 """
@@ -287,9 +287,9 @@ def _parse_length(name: str, text: Any, *, allows_zero: bool = False) -> Quantit
 
 
 def _resolve_unit(quantity_name: str, declared_unit: str | None, given_unit: str | None) -> str:
-    """Return the unit of positions or heights, taken from the file or else from the caller.
+    """Return the unit of positions or heights: the unit in the file or, without one, the caller's unit.
 
-    Raises `FormatError` if both units are missing or disagree.
+    Raises `FormatError` if neither is given, or if the two disagree.
     """
     file_unit = None if declared_unit is None else parse_length_unit(declared_unit)
     if declared_unit is not None and file_unit is None:
@@ -307,16 +307,12 @@ def _resolve_unit(quantity_name: str, declared_unit: str | None, given_unit: str
 
 
 def _choose_position_unit(raw: RawHeights, options: ReadOptions) -> str | None:
-    """Return the unit of positions that the caller gives.
+    """Return the caller's unit of positions, or None if the file declares a unit that takes precedence.
 
-    Returns None if the unit in the file takes precedence.
-
-    If the caller gives one unit for all lengths, a unit of positions in the file takes precedence.
+    The file's unit takes precedence over a single unit that the caller gives for all lengths.
     """
-    has_own_unit = (
-        options.one_unit and raw.position_unit is not None and parse_length_unit(raw.position_unit) is not None
-    )
-    return None if has_own_unit else options.position_unit
+    is_declared_in_file = raw.position_unit is not None and parse_length_unit(raw.position_unit) is not None
+    return None if options.one_unit and is_declared_in_file else options.position_unit
 
 
 def _to_micrometres(values: _Length, unit: str) -> _Length:
@@ -416,7 +412,10 @@ def _describe_unclear_spacing(raw: RawHeights) -> str:
 
 
 def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> None:
-    """Raise `FormatError` if the user's spacing contradicts a spacing in the header for every possible unit."""
+    """Raise `FormatError` if no unit of length makes a header's spacing without a unit equal to the user's spacing.
+
+    Two spacings in a header line of uncertain meaning must equal the user's spacings in either order.
+    """
     unclear = raw.unclear_spacing
     has_two_spacings = unclear is not None and len(unclear.lengths) == len(given) == 2
     if unclear and has_two_spacings and not np.allclose(sorted(unclear.lengths), sorted(given), MAX_STEP_UNEVENNESS):
@@ -589,9 +588,9 @@ class _PositionResolution:
 def _find_worst_unexplained_deviation(
     x: Floats, spacing: float, resolution: _PositionResolution, slack: float
 ) -> tuple[int, float] | None:
-    """Return the index and the deviation of the point that deviates most from a uniform grid.
+    """Return index and deviation of the most uneven position, or None if rounding explains all deviations from a grid.
 
-    Returns None if the rounding of the printed positions explains all deviations.
+    The place values of the printed digits are computed only if the exact positions deviate from a uniform grid.
     """
     if _find_worst_position_deviation(x, spacing, np.zeros(x.size), slack) is None:
         return None
@@ -601,9 +600,9 @@ def _find_worst_unexplained_deviation(
 def _find_worst_position_deviation(
     x: Floats, spacing: float, last_digit_values: Floats, slack: float
 ) -> tuple[int, float] | None:
-    """Find the point that deviates most from a uniform grid, for positions with given place values of the last digit.
+    """Return index and deviation of the position farthest from its grid point, beyond rounding to its last digit.
 
-    Returns the index of the point and its deviation, or None if rounding to this digit explains all deviations.
+    Returns None if rounding explains all deviations.
     """
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing

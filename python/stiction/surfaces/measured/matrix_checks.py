@@ -133,10 +133,7 @@ def find_grid_columns(values: Floats) -> tuple[int, int] | None:
 
 
 def _describe_unlike_columns(values: Floats, column_numbers: Sequence[int]) -> str | None:
-    """Describe a column that cannot contain heights of a map, or return None if there is no such column.
-
-    Such columns contain integers, equal numbers, or components of unit vectors.
-    """
+    """Describe a column of integers, equal numbers or unit vectors, none of which are heights, or return None."""
     rows, count = values.shape
     if count > MAX_POINT_COLUMNS or rows < max(MIN_POINT_ROWS, 3 * count) or np.isnan(values).any():
         return None

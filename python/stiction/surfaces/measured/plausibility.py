@@ -314,9 +314,7 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _count_copies(heights: Floats) -> int:
-    """Return the number of equal parts into which a list of heights divides.
-
-    Returns 1 if the heights do not repeat.
+    """Return 2 or 3 if a list of heights consists of two or three identical parts, and 1 otherwise.
 
     The repetitions of a wave with a short period are not counted.
     """
@@ -428,6 +426,6 @@ READER_CAVEAT_NAMES = (
     "scale",
     "wrapped",
 )
-"""Names of the caveats that file readers report, in addition to those of the plausibility checks."""
+"""Names of the caveats that arise while a file is read, before the plausibility checks of the scan."""
 
 FILE_CAVEAT_NAMES = (*(check.name for check in PLAUSIBILITY_CHECKS), *READER_CAVEAT_NAMES)

@@ -246,7 +246,10 @@ class ColumnTable:
     word_columns: tuple[WordColumn, ...] = ()
 
     def last_digit_value_function(self, column: int) -> PlaceValueFunction | None:
-        """Return a function for the place value of the last printed digit of each number in a column."""
+        """Return a function that computes the place value of the last printed digit of each number in a column.
+
+        Returns None if the digits are unknown.
+        """
         digits = self.digits
         return None if digits is None else lambda: digits(column)
 

@@ -367,7 +367,7 @@ def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[st
 
 
 def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the first number of a column may be a step or a size, or if a last number may be a count."""
+    """Return a caveat if a column of heights may begin with a step or size, or end with the count of its heights."""
     if (
         table.values.shape != (table.values.size, 1)
         or table.values.size < MIN_COMPARED_NUMBERS + 1
@@ -821,7 +821,7 @@ def _reject_ambiguous_columns(table: ColumnTable) -> RawHeights:
 
 
 def _describe_missing_information(table: ColumnTable) -> str:
-    """Return a clause for error messages about a unit or a spacing that a table lacks, or ""."""
+    """Return the end of an error message with the unit or spacing that a table lacks, or "" if it lacks neither."""
     declared, requirements = table.declared, []
     if all(unit is None for unit in _list_column_units(table)) and declared.unit is None:
         requirements.append("the unit of lengths is required as well (--unit)")

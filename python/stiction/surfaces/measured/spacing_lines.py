@@ -28,15 +28,16 @@ _T = TypeVar("_T")
 
 DECIMAL_PATTERN = r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?(?:[eE][+-]?[0-9]{1,5})?"
 DECLARED_NUMBER_PATTERN = rf"(?:[+-]?(?:0x[0-9a-f]{{1,16}}|nan|inf(?:inity)?)(?![^\W_])|{DECIMAL_PATTERN})"
-"""Regular expression for a number in a declaration, including numbers that make the declaration invalid, such as nan.
+"""Regular expression for a number in a header line, including nan, infinity and hexadecimal numbers, which are rejected
+later.
 """
 
 SEPARATOR_PATTERN = r"\s*(?:[:=,;\t]|\s)\s*"
 UNIT_PATTERN = r"[^\W\d_]{1,12}"
 _LENGTH_UNITS_PATTERN = "|".join(map(re.escape, sorted(LENGTH_UNITS, key=len, reverse=True)))
 _SPACE_BEFORE_UNIT_PATTERN = rf"(?:\s*[,;\t]\s*(?=(?:{_LENGTH_UNITS_PATTERN})[\s,;]*$)|\s*)"
-"""Regular expression for the text between a number and its unit: blanks, or a separator if the next cell is a unit of
-length.
+"""Regular expression for the text between a number and its unit: blanks or, if the unit is the last cell of the line, a
+cell separator.
 """
 
 _BRACKETED_UNIT_PATTERN = r"\s*(?:[\[(]([^\])]{1,12})[\])])?"
@@ -57,7 +58,9 @@ _POINTS_REMARK_PATTERN = LazyPattern(
     r"\W*(?:nominal|mean|average|fast|along|in|lateral|horizontal|sampl\w*|points?|pixels?|px|x|axis|direction|\W)*",
     re.IGNORECASE,
 )
-"""Regular expression for remarks in brackets after the name of a spacing that show that the spacing is along x."""
+"""Regular expression for a remark in brackets with which a spacing still is the distance of points along x, as in
+"spacing (sampling)".
+"""
 
 _POINT_WORDS = r"px|pix|pixels?|points?|pts?|punkte?|samples?|steps?"
 _LENGTH_PATTERN = (
@@ -252,12 +255,12 @@ def _parse_optional_unit(unit: str | None) -> str | None:
 def find_first_match(
     pattern: LazyPattern, lines: Sequence[str], parse_match: Callable[[re.Match[str]], _T | None]
 ) -> _T | None:
-    """Parse the header lines that begin with a pattern, and return the first result that is not None.
+    """Return the result of `parse_match` for the first header line that begins with a pattern and can be parsed.
 
-    Returns None if there is no such result.
+    Returns None if there is no such line.
     """
     matches = (match for line in lines if (match := pattern.match(line)))
-    return next((value for match in matches if (value := parse_match(match)) is not None), None)
+    return next((parsed for match in matches if (parsed := parse_match(match)) is not None), None)
 
 
 def _are_equal(first: DeclaredLength, second: DeclaredLength) -> bool:

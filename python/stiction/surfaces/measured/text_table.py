@@ -217,7 +217,7 @@ def make_height_provenance(block: NumberBlock) -> HeightProvenance:
 
 
 def _include_label_line(text: DecodedText, first: int, last: int, dialect: Dialect) -> int:
-    """Return the first line of a table, which may be a line of positions above the numbers."""
+    """Return the first line of a table: the line above `first` if it has the positions of the columns, else `first`."""
     line_above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
     if line_above < 0 or dialect.separator is None:
         return first
@@ -231,10 +231,10 @@ def _include_label_line(text: DecodedText, first: int, last: int, dialect: Diale
 
 
 def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, runs: list[tuple[int, int]]) -> None:
-    """Raise `FormatError` if a line directly above or below a table is a row with a cell that cannot be read.
+    """Raise `FormatError` if the line above or below a table is a row of the table with a cell that cannot be parsed.
 
-    Such a line has as many cells as its neighbours and is not a line of labels. Most of its cells are numbers, or the
-    line beyond it has the same words.
+    Such a line has as many cells as the rows and is not a line of labels. Most of its cells are numbers, or the next
+    line away from the table has the same words.
     """
     adjacent_lines = {adjacent_line for first, last in runs for adjacent_line in ((first - 1, -1), (last + 1, 1))}
     for line, step in sorted(adjacent_lines):
@@ -258,7 +258,7 @@ def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, run
 def _repeats_words(
     text: DecodedText, dialect: Dialect, kinds: list[str | None], cells: list[str], other_line: int
 ) -> bool:
-    """Return whether line `other_line` repeats the words of a line in the same cells, so that neither is a header."""
+    """Return whether line `other_line` has the same words in the same cells as a line; headers do not repeat."""
     if not 0 <= other_line < len(text) or (len(cells) > 1 and "number" not in kinds):
         return False
     other_cells = dialect.split_line(text.line(other_line))
@@ -275,7 +275,7 @@ def _reject_word(text: DecodedText, line: int, word: str) -> None:
 
 
 def _are_position_labels(cells: list[str], dialect: Dialect) -> bool:
-    """Return whether all cells of a line except the first are positions."""
+    """Return whether the cells of a line after the first rise or fall in equal steps, like positions of columns."""
     matches = [dialect.number_pattern.fullmatch(cell) for cell in cells[1:]]
     if len(cells) < 5 or not all(match and (match[2] or match[3]) for match in matches):
         return False

@@ -225,7 +225,7 @@ def _read_shape(root: _MainXml) -> tuple[int, int]:
 def _read_columns(
     archive: zipfile.ZipFile, root: _MainXml, stored: dict[str, str], points: int
 ) -> dict[str, NDArray[Any]]:
-    """Read, for each axis that an X3P file stores point by point, the stored numbers of all points."""
+    """Read the numbers of all points along each axis that an X3P file stores point by point, by name of the axis."""
     if root.listed_points is not None:
         return _parse_listed_points(root.listed_points, list(stored), points)
     row_type = np.dtype(list(stored.items()))
