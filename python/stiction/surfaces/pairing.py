@@ -86,10 +86,7 @@ class LinePairs:
         return min(line_counts, default=1)
 
     def position_across_lines(self, index: int) -> float:
-        """Return the position (µm) of a pair's upper line on the map, across the lines.
-
-        Returns 0 for profiles.
-        """
+        """Return the distance (µm) of a pair's upper line from the first line of the upper map, or 0 for a profile."""
         if not isinstance(self.upper, Surface):
             return 0.0
         line_distance = self.upper.spacing[0 if self.along == "x" else 1]
@@ -140,7 +137,7 @@ class LinePairs:
         return extract_line(self._choose_row_or_column(body, index, shifted=shifted))
 
     def _choose_row_or_column(self, surface: Surface, index: int, *, shifted: bool = False) -> int:
-        """Return the row or column number of a map's line in the pair with a given index.
+        """Return the number of the map row or column that forms the line of the pair with a given index.
 
         Every line is used once before a line is used again.
         """
@@ -258,7 +255,7 @@ def _crop_to_equal_length(
 
 
 def piece_below_slider(lower: Profile, offset: float, slider: Profile) -> Profile:
-    """Return the piece of the lower profile that lies below a slider at an offset (µm)."""
+    """Return the piece of the lower profile below a slider whose first point is at the position `offset` (µm)."""
     start_index = round(offset / lower.spacing)
     selected_range = slice(start_index, start_index + len(slider))
     return Profile(
@@ -310,7 +307,7 @@ class MapPairs:
 
     @cached_property
     def _shifts_in_points(self) -> tuple[tuple[int, int], ...]:
-        """Shifts of the upper map in `shifts`, converted to rows and columns."""
+        """Shifts of the upper map, converted from the µm of `shifts` to numbers of rows and columns."""
         dy, dx = self.spacing
         return tuple((round(y / dy), round(x / dx)) for x, y in self.shifts or ())
 
@@ -478,7 +475,7 @@ class IsotropicSurfacePairs(SquarePiecePairs):
 
     @property
     def piece_fractions(self) -> tuple[float, float]:
-        """Ratios of a generated map's side length to the lengths of the upper and of the lower profile."""
+        """Side length of a piece, divided by the length of the upper profile and by the length of the lower profile."""
         upper, lower = (self._num_side_points / len(profile) for profile in self._resampled_profiles)
         return upper, lower
 
@@ -537,7 +534,7 @@ class SpectralSurfacePairs(SquarePiecePairs):
 
     @property
     def piece_fractions(self) -> tuple[float, float]:
-        """Area of a piece, divided by the area of the upper and by the area of the lower generated height map."""
+        """Area of a piece, divided by the area of a generated height map, for the upper and the lower map."""
         fraction = float(np.prod(self.shape)) / self._num_side_points**2
         return fraction, fraction
 

@@ -83,7 +83,7 @@ def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
     points without a rotation.
     """
     rms_gap_before = _measure_rms_gap(*_cut_overlap(upper, lower, (0,) * lower.heights.ndim))
-    factor = _find_coarsening(upper, lower)
+    factor = _choose_block_size(upper, lower)
     coarse_upper, coarse_lower = _coarsen_face(upper, factor), _coarsen_face(lower, factor)
     position = _refine_position(coarse_upper, coarse_lower, _find_coarse_position(coarse_upper, coarse_lower))
     if factor > 1:
@@ -108,7 +108,7 @@ def measure_fit(upper: Any, lower: Any) -> float:
 
     The correlation is 0 for periodic textures, which fit at several shifts, and for faces with few points.
     """
-    factor = _find_coarsening(upper, lower)
+    factor = _choose_block_size(upper, lower)
     coarse_upper, coarse_lower = _coarsen_face(upper, factor), _coarsen_face(lower, factor)
     if min(*coarse_upper.heights.shape, *coarse_lower.heights.shape) < _MIN_COARSE_POINTS[lower.heights.ndim]:
         return 0.0
@@ -134,7 +134,7 @@ def measure_fit(upper: Any, lower: Any) -> float:
 
 
 MIN_FIT_CORRELATIONS = {Profile: 0.9, Surface: 0.5}
-"""Smallest slope correlation of two faces that fit together, for profiles and for height maps (see `measure_fit`).
+"""Minimum slope correlation (see `measure_fit`) at which two profiles or height maps count as mating faces.
 
 The largest correlation of 3600 pairs of unrelated profiles was 0.86, and of 1350 pairs of unrelated maps 0.40.
 """
@@ -164,17 +164,19 @@ def find_best_fit(upper: Any, lower: Any) -> tuple[float, tuple[int, ...]]:
     """Return the largest slope correlation of two faces, and the offset (in points) of the upper face at this fit."""
     correlations = _correlate_slopes(upper, lower)
     best_index = np.unravel_index(int(np.nanargmax(correlations)), correlations.shape)
-    offset = tuple(_to_offset(int(index), count) for index, count in zip(best_index, correlations.shape, strict=True))
+    offset = tuple(
+        _to_signed_offset(int(index), count) for index, count in zip(best_index, correlations.shape, strict=True)
+    )
     return float(correlations[best_index]), offset
 
 
-def _to_offset(index: int, count: int) -> int:
-    """Convert an index of a discrete Fourier transform to an offset, negative for the upper half of the indices."""
+def _to_signed_offset(index: int, count: int) -> int:
+    """Convert an index of a cyclic correlation to an offset, which is negative in the upper half of the indices."""
     return index - count if index > count // 2 else index
 
 
-def _find_coarsening(upper: Any, lower: Any) -> int:
-    """Return the side length (in points) of the blocks whose mean heights are used in the coarse search."""
+def _choose_block_size(upper: Any, lower: Any) -> int:
+    """Return the side length (in points) of the blocks of which `_coarsen_face` computes the mean heights."""
     longest_side: int = max(*upper.heights.shape, *lower.heights.shape)
     return math.ceil(longest_side / _MAX_COARSE_POINTS[lower.heights.ndim])
 
@@ -226,7 +228,9 @@ def _correlate_slopes(upper: Any, lower: Any) -> Floats:
     overlaps = [
         np.array(
             [
-                max(0, min(b, _to_offset(index, shift_count) + a) - max(0, _to_offset(index, shift_count)))
+                max(
+                    0, min(b, _to_signed_offset(index, shift_count) + a) - max(0, _to_signed_offset(index, shift_count))
+                )
                 for index in range(shift_count)
             ]
         )
@@ -239,7 +243,7 @@ def _correlate_slopes(upper: Any, lower: Any) -> Floats:
 
 
 def _find_coarse_position(upper: Any, lower: Any) -> _FacePosition:
-    """Find the position at which two coarse bodies fit best, in steps of `ROTATION_STEP` and of one point."""
+    """Find the best fit of two coarse bodies among shifts by whole points and rotations in steps of `ROTATION_STEP`."""
     if isinstance(upper, Profile):
         return _FacePosition(_convert_corner_offset_to_centre_shift(find_best_fit(upper, lower)[1], upper, lower), 0.0)
     fits = []
@@ -274,7 +278,7 @@ def _convert_centre_shift_to_corner_offset(shift: tuple[float, ...], upper: Any,
 
 
 def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) -> _FacePosition:
-    """Convert the position of a coarsened upper face to the position of the original upper face."""
+    """Convert the position of a coarsened upper face to that of the original face, whose middle may lie elsewhere."""
     shift = tuple(
         distance + (upper_points % factor - lower_points % factor) / 2 * spacing
         for distance, upper_points, lower_points, spacing in zip(
@@ -317,9 +321,7 @@ def _interpolate_rotated_face(upper: Any, distances: list[Floats], rotation: flo
 
 
 def _interpolate_overlap(upper: Any, lower: Any, position: _FacePosition) -> tuple[Any, Any]:
-    """Return the overlapping parts of two faces.
-
-    The upper part is interpolated at the points of the lower face.
+    """Return the parts of two faces that overlap at a position, both at the points of the lower face.
 
     The overlap of maps is the largest rectangle within the rotated upper face, cut by the sides of the lower face.
     """
@@ -410,11 +412,9 @@ def _has_min_overlap(upper: Any, lower: Any, position: _FacePosition) -> bool:
 
 
 def _estimate_noise(gap: Any) -> float:
-    """Estimate the rms noise (µm) of a gap from fourth differences.
+    """Estimate the rms white noise (µm) of a gap from fourth differences, or return 0 for too few points.
 
-    Returns 0 for too few points.
-
-    Fourth differences of noise that is independent from point to point have 70 times its variance.
+    The variance of the fourth differences of white noise is 70 times the variance of the noise.
     """
     fourth_differences = np.diff(
         gap.heights if gap.missing is None else np.where(gap.missing, np.nan, gap.heights), 4, axis=-1

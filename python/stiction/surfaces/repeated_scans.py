@@ -344,7 +344,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
     )
 
     def sum_products(power_of_a: int, power_of_b: int) -> Floats:
-        """Return the sum of `a` ** power_of_a * `b` ** power_of_b over the overlap of two scans, for each shift."""
+        """Return, for each shift of two scans, the sum over their overlap of `a`**`power_of_a` * `b`**`power_of_b`."""
         return np.asarray(irfftn(transforms_of_a[power_of_a] * np.conj(transforms_of_b[power_of_b]), shape))
 
     count = np.maximum(np.rint(sum_products(0, 0)), 1)
@@ -363,7 +363,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
 def _slice_overlap(
     first_shape: tuple[int, ...], second_shape: tuple[int, ...], shift: Floats
 ) -> tuple[tuple[slice, ...], list[Floats]]:
-    """Return the overlap of two scans at a shift (in points): slices of the first and positions in the second scan."""
+    """Return the overlap of two scans at a shift: slices of the first scan, fractional indices of the second scan."""
     selected_slices, positions = [], []
     for points, second_points, shift_along_axis in zip(first_shape, second_shape, shift.tolist(), strict=True):
         start = max(0, math.ceil(shift_along_axis) + (_OVERLAP_MARGIN if shift_along_axis > 0 else 0))
