@@ -85,7 +85,7 @@ def _find_peak_of_each_point(rank: NDArray[np.int64], height_order: _IndexArray)
 def _find_saddles(
     hill: _IndexArray, rank: NDArray[np.int64], hill_count: int
 ) -> tuple[_IndexArray, _IndexArray, _IndexArray]:
-    """Return the saddles of the maximum spanning tree of hills: pairs of hills and height ranks, highest first."""
+    """Return two hills and the height rank of each saddle, highest first, in the maximum spanning tree of the hills."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import minimum_spanning_tree
 

@@ -290,7 +290,7 @@ class _FilterKernel:
         )[: half_width + 1]
 
     def compute_cyclic_weights(self, power: int) -> Floats:
-        """Return filter weights times a power of the distance, in the order of a discrete Fourier transform."""
+        """Return weights times distance (in cutoffs) to a power, in the order that cyclic convolution requires."""
         half_weights = self._weights * self._offset**power
         weights = np.zeros(self.padded_size)
         weights[: half_weights.size] = half_weights if power % 2 == 0 else -half_weights
@@ -325,7 +325,7 @@ def _fit_local_polynomials(
     heights: Floats, weights: Floats, cutoffs_in_points: Sequence[float], basis: Sequence[MonomialExponents],
     samples_weights: bool = False,
 ) -> Floats:  # fmt: skip
-    """Fit a polynomial around each point, with Gaussian weights times `weights`, and return the fitted height there."""
+    """Fit a polynomial around each point, and return its height there; `weights` multiplies the Gaussian weights."""
     from scipy.fft import irfftn, rfft, rfftn
 
     kernels = [

@@ -73,7 +73,7 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
 
 
 def estimate_density_between_harmonics(density: Floats, count: Floats, distance: float) -> Floats:
-    """Estimate the spectrum without texture harmonics from a low quantile of the density over one harmonic distance.
+    """Estimate the density between texture harmonics, from its low quantile in a window one harmonic distance wide.
 
     Parameters
     ----------

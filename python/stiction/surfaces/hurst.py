@@ -343,7 +343,7 @@ def estimate_hurst_exponent(
 
 
 def _select_profile_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return wave numbers and powers of a profile for a power-law fit, and the height (µm) that scaled the profile."""
+    """Return wave numbers and powers of a profile for a power-law fit, and the height (µm) that divided its heights."""
     heights = profile.heights - profile.heights.mean()
     if not periodic:
         centred_index = np.arange(heights.size) - (heights.size - 1) / 2
@@ -362,7 +362,7 @@ def _select_profile_harmonics(profile: Profile, periodic: bool) -> tuple[Floats,
 
 
 def _select_areal_harmonics(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return wave numbers and powers of a map for a power-law fit, and the height (µm) by which the map was scaled."""
+    """Return wave numbers and powers of a map for a power-law fit, and the height (µm) that divided its heights."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights

@@ -97,7 +97,7 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def disagreement(self) -> Floats:
-        """Mean ratio of each scan's spectral density to the density of the other scans, at common wavelengths.
+        """Mean ratio of each scan's spectral density to that of the other scans, at the wavelengths that they share.
 
         The shape is (scans,), and the ratio is NaN for a scan without overlap.
         """
@@ -120,7 +120,7 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def chance(self) -> Floats:
-        """Standard deviation of ln(`disagreement`) that random scatter alone would cause, for each scan."""
+        """Standard deviation of each scan's ln(`disagreement`) by chance, if all scans have the same true spectrum."""
         is_shared = (self.contribution > 0).sum(axis=0) > 1
         independent_counts = self.contribution * self.count / _WAVE_VECTORS_PER_INDEPENDENT_VALUE
         log_deviations = np.full(len(self.bands), np.nan)

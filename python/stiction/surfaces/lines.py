@@ -226,9 +226,9 @@ def power_law_misfit(
     bins: PowerSpectrum | RadialSpectrum, band: tuple[float, float], exponent: float, *, dimensions: int = 1,
     chance: float = 0.0,
 ) -> float:  # fmt: skip
-    """Return the rms ratio between a spectrum and a power law in a wavelength band, without random scatter.
+    """Return the rms factor between a spectrum and a power law in a wavelength band, corrected for random scatter.
 
-    `chance` is the variance of ln(density) for a single harmonic.
+    `chance` is the variance of ln(density) that scatter causes in a single harmonic. The factor is 1 for a power law.
     """
     is_in_band = is_within_wavelength_band(bins.wave_number, *band) & (bins.density > 0)
     if not is_in_band.any():
@@ -241,10 +241,7 @@ def power_law_misfit(
 
 
 def _estimate_line_hurst_exponent(line: Profile, band: tuple[float, float] | None) -> HurstEstimate | None:
-    """Estimate the Hurst exponent of a line.
-
-    Returns None if the line is flat or has no self-affine band.
-    """
+    """Estimate the Hurst exponent of a map row or column, or return None if it is flat or has no self-affine band."""
     try:
         return estimate_hurst_exponent(line, band=band)
     except ValueError:

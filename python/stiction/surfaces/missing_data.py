@@ -173,25 +173,25 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
 
 
 def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[Floats]) -> Floats:
-    """Return, at each point, the smaller of two ratios of a deviation to a typical deviation, ignoring NaN."""
+    """Return, at each point, the smaller of two quotients: deviation divided by typical value. NaN is ignored."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.fmin(deviations[0] / typical_values[0], deviations[1] / typical_values[1])
 
 
 @dataclass(frozen=True, eq=False)
 class _NeighbourDeviations:
-    """Median deviation of heights from neighbouring heights, and deviation of each point relative to the median.
+    """Deviations of heights from neighbouring heights: the median of the scan, and each deviation divided by it.
 
-    The medians differ between edge points and other points.
+    Edge points have a different median than other points.
     """
 
     scan_medians: Floats
     relative_deviations: Floats
 
     def at_points(self, points: tuple[NDArray[np.intp], ...]) -> Floats:
-        """Return the typical height deviation at given points: that of their neighbourhood, or of the scan if larger.
+        """Return the typical deviation (µm) at given points: the median in their window or, if larger, in the scan.
 
-        A worn surface is smoother on plateaus than in valleys, so points are compared with their neighbourhood, too.
+        A worn surface is smoother on plateaus than in valleys, so the median of the scan alone is not sufficient.
         """
         width = _WINDOW_WIDTHS[self.relative_deviations.ndim]
         padded_values = np.pad(self.relative_deviations, width // 2, mode="symmetric")
@@ -243,7 +243,7 @@ def _find_neighbour_deviations(
 def _compute_deviations_from_neighbours(
     heights: Floats, remaining_heights: Floats
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return the deviations of heights from means and from lines through their neighbours, and a mask of edge points.
+    """Return deviations of heights from the mean of neighbours and from lines through neighbours, and the edge mask.
 
     Deviations are NaN at points with too few measured neighbours. Maps are evaluated in strips of rows, whose
     intermediate arrays fit into the cache.

@@ -362,7 +362,7 @@ class InstrumentLimit(TableReprMixin):
 
     @property
     def matters(self) -> bool:
-        """True if more than a tenth of the mean square slope comes from wavelengths below the limit."""
+        """True if wavelengths below the limit contribute more than a tenth of the scan's mean square slope."""
         return self.slope_fraction > MAX_UNATTRIBUTED_FRACTION
 
 
@@ -580,7 +580,7 @@ def _count_independent_lines(transform: NDArray[np.complex128], *, periodic: boo
 
 
 def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: list[float]) -> tuple[bool, float]:
-    """Compare the noise of a map along x with the noise along y, if the spectrum of at least one axis contains noise.
+    """Compare the noise of a map along x with the noise along y; at least one of the spectra must contain noise.
 
     White noise has the same variance along both axes, so its densities are proportional to the spacings.
 
@@ -638,7 +638,7 @@ class _NoiseAndTexture(NamedTuple):
 def _find_noise_and_texture(
     q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool, textured: bool
 ) -> _NoiseAndTexture:
-    """Find the texture period in a line spectrum, and the wavelengths that neither texture nor surface explain."""
+    """Find the texture period in a line spectrum, and the noise: wavelengths due to neither texture nor roughness."""
     first_harmonic, harmonic_distance = find_texture_harmonics(density)
     period = 2 * math.pi / (float(q[0]) * first_harmonic)
     if first_harmonic > 0:
@@ -745,10 +745,7 @@ def _find_noise_wavelength(
 
 
 def _fit_line_slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
-    """Fit a straight line to values with known variances.
-
-    Returns the slope and the standard deviation of the slope.
-    """
+    """Return the slope of a straight line fitted to y(x) with given variances, and the slope's standard deviation."""
     weight = 1 / (variance + 0.01)
     x_deviations = x - np.average(x, weights=weight)
     weighted_square_sum = float(weight @ x_deviations**2)
@@ -756,7 +753,7 @@ def _fit_line_slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, floa
 
 
 def _is_noise_floor(wavelengths: Floats, density: Floats, chance_variance: Floats, limit: float) -> bool:
-    """Return whether a spectrum is nearly flat below a wavelength (µm), and flat in the shortest octave."""
+    """Return whether a spectrum is nearly flat below the wavelength `limit` (µm), and flat in the shortest octave."""
     for max_wavelength, max_exponent in (
         (_PURE_NOISE_WAVELENGTH_FRACTION * limit, _MAX_FLOOR_EXPONENT),
         (2.01 * float(wavelengths[-1]), _MAX_FLAT_EXPONENT),
@@ -794,9 +791,9 @@ def _fit_window_exponents(
 def _find_flattening_bin(
     window_fits: list[tuple[int, int, float, float]], points: Floats, density: Floats, chance_variance: Floats
 ) -> int | None:
-    """Return the bin of lowest density in the window where a falling spectrum becomes flatter than surface spectra.
+    """Return the bin of lowest density in the first window where a falling spectrum becomes flatter than roughness.
 
-    Returns None if the spectrum does not become so flat.
+    Returns None if there is no such window.
     """
     has_fallen = False
     for first, end, exponent, deviation in window_fits:
@@ -830,7 +827,7 @@ def _find_bin_before_rise(points: Floats, density: Floats, chance_variance: Floa
 
 
 def _is_quantised(body: Profile | Surface) -> bool:
-    """Return whether rounding of the heights causes the noise of a body."""
+    """Return whether the rounding of heights to a step is a main cause of a body's noise."""
     mean_square_second_difference = float(np.square(np.diff(body.heights, 2)).mean())
     # Rounding to a step s adds noise with the variance s²/12.
     # The mean square second difference of white noise is six times its variance.

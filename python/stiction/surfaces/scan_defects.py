@@ -35,7 +35,7 @@ of the heights for machined surfaces, and 5 for white noise.
 """
 
 MIN_SPIKE_TO_FLANK_RATIO = 2.0
-"""Minimum height of a spike in a profile, per point of its width, as a multiple of the height of its flanks.
+"""Minimum ratio for a spike in a profile: height divided by the number of points in the spike and by the flank height.
 
 The flanks of a groove are high. The ratio is at most 1.7 for milled, turned and ground profiles.
 """
@@ -272,11 +272,9 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
 
 
 def _fit_strip_trend(mean_square_slopes: Floats, axis: int) -> tuple[float, float]:
-    """Fit a linear trend to ln(rms slope) along an axis.
+    """Return the change of ln(rms slope) along an axis by a linear fit to strips, and the variance of the change.
 
-    Returns its change over the axis and the variance of the change.
-
-    Both are 0 if a strip has no measured points or no slope.
+    Both numbers are 0 if a strip has no measured points or no slope.
     """
     lines = np.moveaxis(mean_square_slopes, axis, 0)
     strip_means = np.array([float(np.nanmean(strip)) if np.isfinite(strip).any() else 0.0
@@ -325,7 +323,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
 
 
 def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return a mask of the outliers that rise abruptly, unlike the bottom of a groove or the tip of a cusp.
+    """Return a mask of the outliers with abrupt flanks, which the bottom of a groove or the tip of a cusp lacks.
 
     A group of adjacent outliers is isolated if its deviation from the profile without outliers is large compared with
     the height of its flanks, or if a single step on its flanks makes up most of its height. Dips must also be deep,

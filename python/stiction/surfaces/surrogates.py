@@ -260,7 +260,7 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
 
 
 def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
-    """Fit the isotropic density C2D in rings of wave vectors to the spectrum of a profile.
+    """Fit an isotropic density C2D, constant in rings of wave vectors, to the spectrum of a profile.
 
     Returns the edges of the rings, the densities, and the numbers of harmonics.
     """

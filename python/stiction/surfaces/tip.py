@@ -124,7 +124,7 @@ def _erode_by_tip(heights: Floats, spacing: Floats, radius: float) -> Floats:
 def _iterate_tip_offsets(
     shape: tuple[int, ...], spacing: Floats, radius: float, max_tip_height: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
-    """Yield, for each offset within the tip, slices of points and of offset points, and the height of the tip there."""
+    """Yield, for each point of the tip, the slices of points and of their neighbours at its offset, and its height."""
     half_width, half_widths = _compute_tip_half_width(shape, spacing, radius, max_tip_height)
     for steps in np.ndindex(*(2 * max_steps + 1 for max_steps in half_widths)):
         offsets = np.subtract(steps, half_widths)
