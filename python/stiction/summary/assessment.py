@@ -27,6 +27,7 @@ from stiction.evaluate.point import (
     is_unloaded,
     mean_contact_pressure,
     mean_over_directions,
+    read_number,
 )
 from stiction.mechanics import friction
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE
@@ -442,7 +443,7 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: Sliding
     is_merged = _compute_area_fraction(point, study) > MIN_MERGED_AREA_FRACTION
     num_members = float(point["ok"].min()) if "ok" in point else mean_over_directions(point, "members")
     numbers = compute_checked_quantities(
-        value.value, value.lower, value.upper, mu0=float(point["mu0"]), tau0=float(point["tau0"]),
+        value.value, value.lower, value.upper, mu0=read_number(point, "mu0"), tau0=read_number(point, "tau0"),
         pressure=mean_contact_pressure(point), contact_count=count, members=num_members, is_merged=is_merged,
     )  # fmt: skip
     return (
@@ -576,7 +577,7 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> It
         )
         text = f"the interface was calibrated with junction growth {test_text}, but the pair has {growth_text}"
         yield Caveat(text, "give the calibration and the pair the same --junction-growth", "caution")
-    law = Inputs.from_study(study).friction_law(float(point["mu0"]), float(point["tau0"]))
+    law = Inputs.from_study(study).friction_law(read_number(point, "mu0"), read_number(point, "tau0"))
     if growth is not None:
         if status != friction.STATUS_BULK_SHEAR:
             yield from _find_unlimited_caveats(point, get_contact_hardness(point, study), law, growth)
@@ -625,8 +626,8 @@ def _find_size_effect_caveats(point: xarray.Dataset, study: Study, value: Slidin
     area, count, slope, plastic_fraction = (mean_over_directions(point, name) for name in names)
     depth = float(estimate_indentation_depth(area, count, slope, are_lines=not study.is_areal))
     factor = float(size_effect_factor(TYPICAL_SIZE_EFFECT_LENGTH, depth))
-    law = Inputs.from_study(study).friction_law(0.0, float(point["tau0"]))
-    _, adhesive = law.contributions(0.0, area / float(point["load"]))
+    law = Inputs.from_study(study).friction_law(0.0, read_number(point, "tau0"))
+    _, adhesive = law.contributions(0.0, area / read_number(point, "load"))
     effect = plastic_fraction * (1 - 1 / factor) * adhesive / value.value
     if not effect > NEGLIGIBLE_GROWTH_EFFECT:
         return
@@ -646,8 +647,8 @@ def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingR
     max_loss = parse_input_value("area_loss", ELASTOMER_AREA_LOSS).estimate.high
     _, adhesive = (
         Inputs.from_study(study)
-        .friction_law(0.0, float(point["tau0"]))
-        .contributions(0.0, mean_over_directions(point, "contact_area") / float(point["load"]))
+        .friction_law(0.0, read_number(point, "tau0"))
+        .contributions(0.0, mean_over_directions(point, "contact_area") / read_number(point, "load"))
     )
     effect = max_loss * adhesive / value.value
     if effect <= NEGLIGIBLE_GROWTH_EFFECT:
@@ -808,7 +809,7 @@ def _find_drift_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleC
     elastic_fraction = 1.0
     if study.contact.hardness is not None:
         elastic_fraction = 1 - mean_over_directions(point, "load_share_at_hardness")
-    sensitivity = elastic_fraction * (value.value - float(point["mu0"])) / value.value if value.value > 0 else 0.0
+    sensitivity = elastic_fraction * (value.value - read_number(point, "mu0")) / value.value if value.value > 0 else 0.0
     for side in ("upper", "lower"):
         drift, fraction = np.asarray(point.attrs.get(f"{side}_drift", (0.0, 0.0))).tolist()
         if drift * fraction * sensitivity > MIN_DRIFT_EFFECT:

@@ -37,6 +37,7 @@ from stiction.evaluate.point import (
     nominal_pressure_at,
     read_estimate,
     read_estimates_along,
+    read_number,
     read_point_quantities,
     select_sliding_rule,
     sort_sliding_rules,
@@ -543,7 +544,7 @@ def summarize_point(
     quoted_values = values_by_rule[rules[0].rule]
     status = _find_reported_status(rules[0])
     quantities = read_point_quantities(point, rules[0].rule)
-    cut_off = float(point["cut_off"]) if "cut_off" in point.coords else 0.0
+    cut_off = read_number(point, "cut_off") if "cut_off" in point.coords else 0.0
     rule_with_interval_of_mean = _with_interval_of_mean(rules[0])
     has_interval_note = rules[0].has_interval and covers_alternatives
     # A cutoff removes caveats only if the user has specified the cutoff.
@@ -698,10 +699,10 @@ def _compute_friction_contributions(
     """Return the contributions of mu0, tau0 and slopes to a coefficient under the rule "all"; None for other rules."""
     if rule.rule != "all" or not math.isfinite(rule.value) or rule.status == friction.STATUS_BULK_SHEAR:
         return None
-    load = float(point["load"])
+    load = read_number(point, "load")
     area_name = "contact_area_at_onset" if "contact_area_at_onset" in point else "contact_area"
     contact_load = mean_over_directions(point, "contact_load") if "contact_load" in point else load
-    law = Inputs.from_study(study).friction_law(float(point["mu0"]), float(point["tau0"]))
+    law = Inputs.from_study(study).friction_law(read_number(point, "mu0"), read_number(point, "tau0"))
     parts = law.contributions(contact_load / load, mean_over_directions(point, area_name) / load)
     return *parts, rule.value - sum(parts)
 
@@ -726,7 +727,7 @@ def are_strengths_separated(study: Study, coordinates: Mapping[str, Any]) -> boo
 def _get_point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, float]:
     """Return the coordinates of a result point by name, including the Hurst exponent of self-affine surfaces."""
     coordinates = {
-        name: float(point[name]) for name in (*CELL_DIMENSIONS, "load", "mu0", "tau0") if name in point.coords
+        name: read_number(point, name) for name in (*CELL_DIMENSIONS, "load", "mu0", "tau0") if name in point.coords
     }
     if (
         "fractal_dimension" in coordinates
@@ -749,7 +750,7 @@ def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: 
     contributions = _compute_friction_contributions(point, study, rule)
     if contributions is None or not study.is_measured or study.is_gap or study.contact.adheres:
         return None
-    strengths = {name: float(point[name]) for name in ("mu0", "tau0")}
+    strengths = {name: read_number(point, name) for name in ("mu0", "tau0")}
     if is_stronger_than_body(point, study) or not are_strengths_separated(study, strengths):
         return None
     plastic_friction = compute_plastic_friction(point, study)
@@ -777,7 +778,7 @@ def _find_bounds_for_finer_scans(
     has_bracket = study.is_measured and study.uses_half_space and not study.contact.adheres
     if hardness is None or not has_bracket or coefficient.rule != "all" or not math.isfinite(coefficient.value):
         return None
-    mu0, plastic_friction = float(point["mu0"]), compute_plastic_friction(point, study)
+    mu0, plastic_friction = read_number(point, "mu0"), compute_plastic_friction(point, study)
     if plastic_friction is None or math.isnan(plastic_friction) or is_stronger_than_body(point, study):
         return None
     upper = coefficient.upper if math.isfinite(coefficient.upper) else None
