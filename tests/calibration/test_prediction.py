@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from stiction import Ball, FrictionTest, calibrate, pair, read_interface, write_interface
+from stiction.calibration.planning import plan_tests
 from stiction.evaluate.member_values import interpolate_member_sums
 from support.rough_surfaces import rough_maps
 
@@ -245,6 +246,20 @@ def test_prediction_interval_does_not_widen_if_tests_of_the_same_pair_are_added(
         widths.append(np.ptp(strength.predict(press_pair(PREDICTED_RMS), "20 MPa")[1:]))
     assert (np.diff(widths) < 0.02 * widths[0]).all()
     assert widths[-1] < widths[0]
+
+
+def test_planned_tests_of_a_pair_neither_remove_the_common_error_nor_ignore_the_present_tests() -> None:
+    result, widths, planned_widths = press_pair(TESTED_RMS), {}, {}
+    for common in (0.0, 0.05):
+        tests = [FrictionTest(result, "20 MPa", coefficient=0.25, uncertainty=0.005) for _ in range(4)]
+        strength = calibrate(tests, common=common, sliding="all")
+        widths[common] = np.ptp(strength.predict(result, "20 MPa")[1:])
+        plans = {plan.text: np.ptp(plan.coefficient[1:]) for plan in plan_tests(strength, result, "20 MPa")}
+        assert max(plans.values()) <= widths[common]
+        planned_widths[common] = plans["as many tests of this pair"]
+    # Eight tests have an error of 2 %/√8. An error of 5 % that all tests share remains.
+    assert planned_widths[0.0] == pytest.approx(2 * 1.96 * 0.25 * 0.02 / math.sqrt(8), rel=0.1)
+    assert planned_widths[0.05] == pytest.approx(2 * 1.96 * 0.25 * math.hypot(0.05, 0.02 / math.sqrt(8)), rel=0.1)
 
 
 def test_uninformative_test_of_a_pair_does_not_narrow_its_predicted_interval() -> None:

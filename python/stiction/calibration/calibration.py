@@ -158,4 +158,5 @@ def calibrate(
         advice,
         tuple(test_points),
         header_entries,
+        common,
     )

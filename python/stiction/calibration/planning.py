@@ -59,7 +59,8 @@ def plan_tests(interface: Interface, result: Any, load: float | str) -> tuple[Pl
     -------
     tuple of PlannedTests
         The planned tests are as many as the present ones and have their median relative error. They are assumed to
-        measure the coefficients that follow from the medians of mu0 and tau0, without an error common to all tests.
+        measure the coefficients that follow from the medians of mu0 and tau0. Tests of the pair itself have the same
+        common error as the present tests. No interval is wider than the present interval.
 
     Notes
     -----
@@ -82,17 +83,41 @@ def plan_tests(interface: Interface, result: Any, load: float | str) -> tuple[Pl
     if not math.isfinite(relative_error):
         relative_error = DEFAULT_RELATIVE_ERROR
     count, central_law = max(len(interface.tests), 1), FrictionLaw(*round_median_strength(interface))
-    plans = []
+    plans, present = [], interface.predict(result, load)
     for text, areas_per_load in list_area_plans(interface.area_per_load, count):
         expected = central_law.force(1.0, areas_per_load)
         planned = partial(_reweight, areas_per_load=areas_per_load, expected=expected, error=relative_error * expected)
         fit, bounds = planned(interface.fits[0]), interface.fits[0].fits_at_bounds
         fit = replace(fit, fits_at_bounds={name: planned(each) for name, each in bounds.items()})
-        plans.append(PlannedTests(text, replace(interface, fits=(fit,)).predict(result, load)))
-    value, *_ = interface.predict(result, load)
-    half_width = Z_95 * relative_error / math.sqrt(count) * value
+        planned_coefficient = replace(interface, fits=(fit,)).predict(result, load)
+        plans.append(PlannedTests(text, _limit_to_interval(planned_coefficient, present)))
+    value = present[0]
+    half_width = _estimate_half_width(present, interface.common, relative_error / math.sqrt(count))
     plans.append(PlannedTests("as many tests of this pair", (value, max(value - half_width, 0.0), value + half_width)))
     return tuple(sorted(plans, key=lambda plan: plan.coefficient[2] - plan.coefficient[1]))
+
+
+def _estimate_half_width(present: ValueWithLimits, common_error: float, error: float) -> float:
+    """Return half the width of a pair's 95 % interval after tests of this pair.
+
+    `error` is the relative standard error of the mean of these tests. The tests do not reduce `common_error`, which
+    they share with the present tests.
+    """
+    value, low, high = present
+    if not value > 0:
+        return 0.0
+    present_error = (high - low) / (2 * Z_95 * value)
+    common_error = min(common_error, present_error)
+    variance, new_variance = present_error**2 - common_error**2, error**2
+    if math.isfinite(variance):
+        new_variance *= variance / (variance + new_variance)
+    return Z_95 * value * math.sqrt(new_variance + common_error**2)
+
+
+def _limit_to_interval(planned: ValueWithLimits, present: ValueWithLimits) -> ValueWithLimits:
+    """Limit the interval after planned tests, which the scatter of the samples can widen, to the present interval."""
+    (value, low, high), (_, present_low, present_high) = planned, present
+    return value, min(max(low, present_low), value), max(min(high, present_high), value)
 
 
 def _reweight(fit: StrengthFit, areas_per_load: Floats, expected: Floats, error: Floats) -> StrengthFit:

@@ -40,6 +40,8 @@ class Interface(InterfaceStrength):
         Further tests that would separate mu0 and tau0, and the tests of the fit, as in `InterfaceStrength`.
     about : mapping of str to str
         Kind ("measured", "lumped" or "bound"), materials, conditions and source.
+    common : float
+        Relative standard uncertainty that all tests share; 0 for an interface that was not fitted here.
 
     Examples
     --------

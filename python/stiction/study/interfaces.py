@@ -163,6 +163,8 @@ class InterfaceStrength:
         the pair slid.
     about : mapping of str to str
         Kind ("measured", "lumped" or "bound"), materials, conditions and source.
+    common : float
+        Relative standard uncertainty that all tests share; 0 for an interface that was not fitted here.
     """
 
     fits: tuple[StrengthFit, ...]
@@ -172,6 +174,7 @@ class InterfaceStrength:
     advice: tuple[tuple[str, float, float], ...] = ()
     tests: tuple[tuple[float, float, float, bool], ...] = ()
     about: Mapping[str, str] = field(default_factory=dict)
+    common: float = 0.0
 
     @classmethod
     def read(cls, path: str | Path) -> Self:
