@@ -84,10 +84,7 @@ def validate_number(
 
 
 def unwrap_scalar(value: Any) -> Any:
-    """Return the number in a zero-dimensional array.
-
-    Any other argument is returned unchanged.
-    """
+    """Return the number in a zero-dimensional array, or any other argument unchanged."""
     return value.item() if getattr(value, "ndim", None) == 0 and hasattr(value, "item") else value
 
 
@@ -127,10 +124,7 @@ def check_callable(name: str, value: Any) -> None:
 
 
 def parse_path(name: str, value: Any) -> Path:
-    """Convert a text to a path.
-
-    Raises a `ValueError` if no file can have this name.
-    """
+    """Convert a text to a path, or raise a `ValueError` if no file can have this name."""
     if not isinstance(value, (str, os.PathLike)):
         raise ValueError(f"{name} must be a path, got {type(value).__name__}")
     path = Path(value)

@@ -62,7 +62,7 @@ class TableReprMixin(TextReprMixin):
 
 
 def field_units(cls: Any) -> dict[str, str]:
-    """Return the unit of each dataclass field that has one, by field name."""
+    """Return the units of dataclass fields, keyed by the names of the fields that have a unit."""
     return {field.name: field.metadata["unit"] for field in fields(cls) if "unit" in field.metadata}
 
 

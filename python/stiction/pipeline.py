@@ -126,7 +126,7 @@ def complete_result(
     print_remark: LinePrintFunction = _ignore_line, announce: LinePrintFunction = _ignore_line,
     show_result: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
-    """Compute the blocks of a study, or of a part of it, that the directory lacks, and return the result.
+    """Compute the members of a study, or of a part of it, that its directory lacks, and return the result.
 
     If no part is given, the companion results are computed too.
 

@@ -39,7 +39,7 @@ AREA_SUMS = ("contact_area", "normal_adhesive", "tangential_adhesive")
 
 @dataclass(frozen=True, eq=False)
 class AreaFunction:
-    """True contact area of a pair at one cutoff, as a function of load and uncertain inputs; a mean over members.
+    """True contact area of a pair at one cutoff, averaged over members, as a function of load and uncertain inputs.
 
     Attributes
     ----------

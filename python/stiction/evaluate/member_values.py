@@ -292,7 +292,7 @@ def _evaluate_piece(
 
 @dataclass(frozen=True, eq=False)
 class _MemberForces:
-    """Normal and tangential loads (mN) of members at the onset of sliding, and masks of reached and of small loads.
+    """Loads (mN) of members at the onset of sliding, and masks of requested loads that are reached or too low.
 
     The arrays have the shape (..., sliding, direction, load, mu0, tau0), or a shape that broadcasts to it.
     """

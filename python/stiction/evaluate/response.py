@@ -194,7 +194,7 @@ class ResponseValues:
 
 @dataclass(frozen=True, eq=False)
 class ContactResponse:
-    """Response of a pair at one load and sliding rule to changed inputs; a mean over members and directions.
+    """Response of a pair at one load and sliding rule to changed inputs, averaged over members and directions.
 
     Attributes
     ----------

@@ -249,7 +249,7 @@ class ShearBox:
         return upper, lower
 
     def solve_contact(self, offset: NDArray[np.int64], elastic_loads: ArrayLike) -> HalfSpaceCurve:
-        """Solve the contact of the faces at a horizontal offset (µm) under given vertical contact forces (mN)."""
+        """Solve the contact of the faces at an offset in grid points, under given vertical contact forces (mN)."""
         upper, lower = _close_round_off_gap(*self.faces_at(offset))
         return half_space(
             upper, lower, np.atleast_1d(elastic_loads), effective_modulus=self.effective_modulus,
@@ -517,7 +517,7 @@ def _compute_measured_area(upper: Profile | Surface, lower: Profile | Surface) -
 def _find_root(
     compare_load: Callable[[float], tuple[float, float]], load_guess: float, load: float, max_load: float
 ) -> Status:
-    """Search for the contact force (elastic load) that gives the target normal load, and return a status.
+    """Search for the contact force (elastic load) that gives the target normal load, and return the search status.
 
     `compare_load` returns the excess of the normal load over its target, and the target, at an elastic load (mN). The
     method is a bracketed secant method. The last call of `compare_load` is at the elastic load that was found.

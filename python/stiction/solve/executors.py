@@ -59,7 +59,7 @@ def executor_or_thread_pool(executor: Executor | None) -> Iterator[Executor]:
 
 
 class _ThreadPool(ThreadPoolExecutor):
-    """Thread pool that makes do with fewer threads if the system cannot start the requested number."""
+    """Thread pool that continues with fewer threads if the system cannot start the requested number."""
 
     def _adjust_thread_count(self) -> None:
         try:

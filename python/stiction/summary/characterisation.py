@@ -190,12 +190,12 @@ class Characterisation:
 
     @property
     def instrument_limit(self) -> InstrumentLimit:
-        """Shortest reliable wavelength with regard to pixels and noise, without regard to the tip."""
+        """Shortest wavelength that is reliable if only pixels and noise are considered, and not the tip."""
         return self.defects.instrument_limit
 
     @property
     def tip_limit(self) -> InstrumentLimit | None:
-        """Shortest reliable wavelength with regard to pixels, noise and tip, or None if the tip radius is unknown."""
+        """Shortest wavelength that is reliable if pixels, noise and tip are considered; None without a tip radius."""
         return self.defects.limit_with_tip
 
     @cached_property

@@ -269,7 +269,7 @@ class PointSummary:
 
     @property
     def load_definition_effect(self) -> float:
-        """Relative difference between the coefficients at equal normal load and at equal elastic load; may be NaN."""
+        """Relative difference between the coefficients at equal normal load and at equal elastic load, or NaN."""
         return self.numbers.get("load_definition_effect", math.nan)
 
     @property

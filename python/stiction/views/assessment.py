@@ -49,10 +49,7 @@ def assessment_paragraph(
 
 
 def _common_assessment_text(points: Sequence[PointSummary]) -> str:
-    """Return the assessment that all result points share.
-
-    A single point adds the measurement that would help most.
-    """
+    """Return the assessment that all result points share; a single point adds the measurement that would help most."""
     point = points[0]
     if point.is_unloaded:
         return f"{point.assessment} a coefficient"

@@ -172,7 +172,7 @@ class CharacterisationTable:
         return row
 
     def _missing_autocorrelation_text(self, name: str) -> str:
-        """Return the reason why the parameter Sal or Str is missing, which is that the map is too small."""
+        """Return the text for Sal or Str if the autocorrelation does not decay to 0.2 within half the map."""
         autocorrelation_length = getattr(self.scan.parameters, "Sal", math.nan)
         if name == "Sal":
             return "none: no decay to 0.2 within half the map"

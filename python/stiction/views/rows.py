@@ -239,7 +239,7 @@ def _merge_quantities(
 
 
 def _csv_quantities(dataset: xarray.Dataset) -> list[str]:
-    """Return the names of the quantities in a CSV file, which are those that do not depend on the direction."""
+    """Return the names of the quantities in a CSV file, without quantities that depend on the direction."""
     return [
         name
         for name in quantity_names_shown_in("csv")
@@ -248,7 +248,7 @@ def _csv_quantities(dataset: xarray.Dataset) -> list[str]:
 
 
 def _build_coefficient_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return columns for coefficients after dwell times and for the contribution of roughness, by column title.
+    """Return columns, by title, for coefficients after dwell times and for the roughness contribution to mu_s.
 
     Each column has one number per result point and sliding rule, which is NaN for all rules except the reported rule.
     """
