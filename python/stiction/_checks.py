@@ -73,14 +73,14 @@ def validate_number(
         except ValueError as error:
             raise ValueError(f"{name} {error}") from None
     try:
-        result = float(value) if isinstance(value, Real) and not isinstance(value, bool) else math.nan
+        number = float(value) if isinstance(value, Real) and not isinstance(value, bool) else math.nan
     except OverflowError:
-        result = math.inf
-    if not (math.isfinite(result) and above < result < below):
+        number = math.inf
+    if not (math.isfinite(number) and above < number < below):
         bounds = [f"above {above:g}"] * (above > -math.inf) + [f"below {below:g}"] * (below < math.inf)
         allowed = " ".join(["a finite number", " and ".join(bounds)]).strip()
         raise ValueError(f"{name} must be {allowed}{f' {unit}' if unit else ''}, got {short_repr(argument)}")
-    return result
+    return number
 
 
 def unwrap_scalar(value: Any) -> Any:
@@ -90,22 +90,22 @@ def unwrap_scalar(value: Any) -> Any:
 
 def validate_fraction(name: str, value: Any) -> float:
     """Return a number, or raise a `ValueError` unless it is from 0 to 1."""
-    result = validate_number(name, value)
-    if not 0 <= result <= 1:
+    number = validate_number(name, value)
+    if not 0 <= number <= 1:
         raise ValueError(f"{name} must be from 0 to 1, got {short_repr(value)}")
-    return result
+    return number
 
 
 def validate_whole_number(name: str, value: Any, *, minimum: int, maximum: int = 2**63 - 1) -> int:
     """Return a number, or raise a `ValueError` unless it is an integer from `minimum` to `maximum`."""
     try:
-        result = operator.index(unwrap_scalar(value)) if not isinstance(unwrap_scalar(value), bool) else minimum - 1
+        number = operator.index(unwrap_scalar(value)) if not isinstance(unwrap_scalar(value), bool) else minimum - 1
     except TypeError:
-        result = minimum - 1
-    if not minimum <= result <= maximum:
-        limit_text = f" and at most {maximum}" if result > maximum else ""
+        number = minimum - 1
+    if not minimum <= number <= maximum:
+        limit_text = f" and at most {maximum}" if number > maximum else ""
         raise ValueError(f"{name} must be a whole number of at least {minimum}{limit_text}, got {short_repr(value)}")
-    return result
+    return number
 
 
 def check_instance(name: str, value: Any, kind: type | tuple[type, ...], words: str) -> None:

@@ -24,14 +24,14 @@ def printable_text(text: object, max_length: int = MAX_WORD_LENGTH) -> str:
     >>> printable_text("a" * 10 + "b" * 10, max_length=11)
     'aaaa...bbbb'
     """
-    result = str(text)
-    if len(result) > max_length:
+    line = str(text)
+    if len(line) > max_length:
         half_length = (max_length - 3) // 2
-        result = f"{result[:half_length]}...{result[-half_length:]}"
-    if result.isprintable():
-        return result
+        line = f"{line[:half_length]}...{line[-half_length:]}"
+    if line.isprintable():
+        return line
     return "".join(
-        ascii(char)[1:-1] if unicodedata.category(char) in _UNPRINTABLE_CATEGORIES else char for char in result
+        ascii(char)[1:-1] if unicodedata.category(char) in _UNPRINTABLE_CATEGORIES else char for char in line
     )
 
 

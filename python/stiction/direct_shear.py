@@ -388,9 +388,9 @@ def _compute_shear_tests(
     def solve(index: int) -> tuple[list[StepResult], xr.Dataset]:
         """Solve one of the shear tests and its closure, and report the progress of all shear tests together."""
 
-        def show_total_progress(done: int, _: int) -> None:
+        def show_total_progress(num_finished: int, _: int) -> None:
             if progress is not None:
-                progress(index * num_steps + done, len(boxes) * num_steps)
+                progress(index * num_steps + num_finished, len(boxes) * num_steps)
 
         rows = boxes[index].solve(offsets, record, show_total_progress)
         return rows, boxes[index].to_dataset(offsets, rows).assign(boxes[index].solve_closure(record))

@@ -118,6 +118,8 @@ async def _serve(
             request_shutdown()
 
 
-def is_abandoned(server: Server, now: float) -> bool:
+def is_abandoned(server: Server, current_time: float) -> bool:
     """Return whether all windows have been closed for too long, or whether none was opened in time."""
-    return now - server.last_request_time > (SERVER_IDLE_TIMEOUT if server.has_window else FIRST_WINDOW_TIMEOUT)
+    return current_time - server.last_request_time > (
+        SERVER_IDLE_TIMEOUT if server.has_window else FIRST_WINDOW_TIMEOUT
+    )

@@ -207,11 +207,11 @@ def _select_nearest_parameters(
     By default, all dimensions and the first amplitude are selected.
     """
     selected_values = {"--d": ("fractal_dimension", dimensions), "--amplitude": ("amplitude", amplitudes)}
-    for flag, (name, values) in selected_values.items():
+    for option_name, (name, values) in selected_values.items():
         if values is not None:
             if name not in dataset.dims:
                 raise ValueError(
-                    f"{flag} applies only to studies of generated surfaces; got {flag} "
+                    f"{option_name} applies only to studies of generated surfaces; got {option_name} "
                     f"{', '.join(f'{v:g}' for v in values)}"
                 )
             dataset = dataset.sel({name: values}, method="nearest").drop_duplicates(name)

@@ -93,7 +93,7 @@ def compute_result_in_directory(
         is_replaceable = "replace" in options and not error.is_edited
         raise error.with_remedy(_conflict_advice(error, study, is_replaceable=is_replaceable)) from None
     except KeyboardInterrupt:
-        detail = ""
+        resume_text = ""
         # It is no error if no result is stored yet.
         with contextlib.suppress(StoreError):
             stored_result = open_stored_result(directory)
@@ -101,5 +101,5 @@ def compute_result_in_directory(
             progress = f"{stored_result.num_finished} of {count_text} are finished and stored"
             if num_in_progress := len(find_members_in_progress(directory)):
                 progress += f", and the finished steps of {num_in_progress} more"
-            detail = f"; {progress}: run the same command again to resume"
-        raise report_interruption(detail) from None
+            resume_text = f"; {progress}: run the same command again to resume"
+        raise report_interruption(resume_text) from None

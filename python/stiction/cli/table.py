@@ -189,7 +189,7 @@ def _tabulate_measured_pair(options: dict[str, Any], output: Path, workers: int 
 def _parse_pressure(text: str) -> float:
     from stiction._arguments import parse_load
 
-    amount, is_per_area = parse_load("load", text)
+    pressure, is_per_area = parse_load("load", text)
     if not is_per_area:
         raise ValueError(f'--load must be a pressure, such as "10 MPa", got {short_repr(text)}')
-    return float(amount)
+    return float(pressure)

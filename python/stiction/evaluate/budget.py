@@ -96,15 +96,15 @@ def add_uncertainty(
     result = MemberSums.of(result)
     if not result.study.is_measured or at.attrs.get("load_definition") != "elastic":
         return at
-    own = _add_own_uncertainty(at, result, budget=budget, tests=tests)
+    original = _add_own_uncertainty(at, result, budget=budget, tests=tests)
     if is_tested_pair(result.study, Inputs.from_study(result.study).strength):
-        return own
+        return original
     if budget:
         alternatives = evaluate_alternatives(result, at)
     else:
         names = [name for name in (*COMBINED_QUANTITIES, "contact_count") if name in at]
         alternatives = _evaluate_alternatives_uncached(result, at, names, budget=False, tests=tests)
-    return _cover_alternatives(own, alternatives) if alternatives else own
+    return _cover_alternatives(original, alternatives) if alternatives else original
 
 
 def evaluate_alternatives(result: MemberSums, at: xarray.Dataset) -> dict[AlternativeName, xarray.Dataset]:
@@ -135,8 +135,10 @@ def _evaluate_alternatives_uncached(
 ) -> dict[AlternativeName, xarray.Dataset]:  # fmt: skip
     loads, mu0, tau0 = (at[name].values for name in ("load", "mu0", "tau0"))
     return {
-        name: add_uncertainty(at_load(other, loads, mu0=mu0, tau0=tau0, names=names), other, budget=budget, tests=tests)
-        for name, other in load_stored_alternatives(result).items()
+        name: add_uncertainty(
+            at_load(alternative, loads, mu0=mu0, tau0=tau0, names=names), alternative, budget=budget, tests=tests
+        )
+        for name, alternative in load_stored_alternatives(result).items()
     }
 
 
@@ -157,8 +159,12 @@ def predict_coefficient(result: MemberSums, load: float, strength: InterfaceStre
     growth of the result.
     """
     alternatives = {} if is_tested_pair(result.study, strength) else load_stored_alternatives(result)
-    values, *others = (_evaluate_with_interface(each, load, strength) for each in (result, *alternatives.values()))
-    value, lower, upper = _extend_estimates(values, others).tolist() if others else values.tolist()
+    values, *alternative_values = (
+        _evaluate_with_interface(sums, load, strength) for sums in (result, *alternatives.values())
+    )
+    value, lower, upper = (
+        _extend_estimates(values, alternative_values).tolist() if alternative_values else values.tolist()
+    )
     return value, lower, upper
 
 
@@ -176,9 +182,11 @@ def _evaluate_with_interface(result: MemberSums, load: float, strength: Interfac
     ):
         changes["contact.junction_growth"] = f"{strength.junction_growth.value:.6g} ({strength.junction_growth.text})"
     sums = result.with_study(study.with_changes(changes))
-    at = at_load(sums, [load], mu0=[mu0], tau0=[tau0], names=["contact_count"])
-    combined = _add_own_uncertainty(at, sums, budget=False, tests=False, strength=strength)["friction_combined"]
-    return np.asarray(combined.sel(sliding=fit.sliding).isel(cut_off=0, load=0, mu0=0, tau0=0).values)
+    dataset = at_load(sums, [load], mu0=[mu0], tau0=[tau0], names=["contact_count"])
+    combined_friction = _add_own_uncertainty(dataset, sums, budget=False, tests=False, strength=strength)[
+        "friction_combined"
+    ]
+    return np.asarray(combined_friction.sel(sliding=fit.sliding).isel(cut_off=0, load=0, mu0=0, tau0=0).values)
 
 
 def _add_own_uncertainty(
@@ -275,8 +283,8 @@ def _evaluate_uncertainty(
     coordinates: dict[str, Any] = {"percentile": ("percentile", FRICTION_PERCENTILES, percent_attributes)}
     # The percentiles of friction at the first cutoff must enclose the percentiles at all other cutoffs.
     if study.surfaces.both_readings and "cut_off" in dims:
-        by_cutoff = np.moveaxis(percentiles, dims.index("cut_off"), 0)
-        by_cutoff[0] = extend_percentiles(by_cutoff[0], by_cutoff[1:])
+        percentiles_by_cutoff = np.moveaxis(percentiles, dims.index("cut_off"), 0)
+        percentiles_by_cutoff[0] = extend_percentiles(percentiles_by_cutoff[0], percentiles_by_cutoff[1:])
     tables |= {
         "friction_percentiles": ((*dims, "percentile"), percentiles),
         "friction_at_cutoff": (interval_dims, coefficient_intervals),
@@ -318,7 +326,7 @@ def find_inputs_and_strengths(
         return inputs, []
     from scipy.special import ndtr
 
-    score_names = {name: shared_input_name(name, each.estimate, pair_checksum) for name, each in inputs.items()}
+    score_names = {name: shared_input_name(name, entry.estimate, pair_checksum) for name, entry in inputs.items()}
     strengths = []
     for fit, coverage in interface.sampled_fits:
         shared = {
@@ -329,7 +337,7 @@ def find_inputs_and_strengths(
         area_scores = fit.scores.get(area_error_name(pair_checksum))
         strengths.append(JointSamples(fit.mu0, fit.tau0, shared, area_scores, coverage))
     replaced_names = {"mu0", "tau0", *strengths[0].inputs}
-    return {name: each for name, each in inputs.items() if name not in replaced_names}, strengths
+    return {name: entry for name, entry in inputs.items() if name not in replaced_names}, strengths
 
 
 def _label_interface(study_inputs: Inputs, joint_samples: JointSamples) -> str:
@@ -432,7 +440,7 @@ def _iterate_intervals(
     contact_sums = {name: member_sums.variables[name].mean(("repetition", "direction")) for name in LOAD_SUM_NAMES}
     sums_by_name = _get_arrays_over_dims(contact_sums, at, dims)
     area_errors = None
-    if any(each.area_scores is not None for _, strengths in inputs_by_strength.values() for each in strengths):
+    if any(samples.area_scores is not None for _, strengths in inputs_by_strength.values() for samples in strengths):
         adhesive_sums = member_sums["tangential_adhesive"].mean("direction")
         errors = adhesive_sums.reduce(_estimate_area_errors, "repetition")
         area_errors = _get_arrays_over_dims({"error": errors.variable}, at, dims)["error"]
@@ -487,7 +495,9 @@ def _find_budgeted_loads(is_study_load: NDArray[np.bool_], num_coefficients: int
     return np.asarray(num_counted_loads * num_coefficients_per_load <= MAX_BUDGETED_COEFFICIENTS)
 
 
-def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeName, xarray.Dataset]) -> xarray.Dataset:
+def _cover_alternatives(
+    original: xarray.Dataset, alternatives: Mapping[AlternativeName, xarray.Dataset]
+) -> xarray.Dataset:
     """Widen intervals so that they include the intervals for alternative preparations of the scans.
 
     The names of the alternatives become the attribute `alternatives`. The uncertainty budget gets one row per
@@ -496,39 +506,39 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
     """
     variables = {}
     names = (*(name for name in INTERVALS_COVERING_ALTERNATIVES if name != "remaining_interval"), *COMBINED_QUANTITIES)
-    for name in (variable_name for variable_name in names if variable_name in own):
-        dims = own[name].dims
-        alternative_values = [other[name].transpose(*dims).values for other in alternatives.values()]
-        variables[name] = (dims, _extend_estimates(own[name].values, alternative_values), own[name].attrs)
-    if "friction_percentiles" in own:
-        dims = own["friction_percentiles"].dims
+    for name in (variable_name for variable_name in names if variable_name in original):
+        dims = original[name].dims
+        alternative_values = [alternative[name].transpose(*dims).values for alternative in alternatives.values()]
+        variables[name] = (dims, _extend_estimates(original[name].values, alternative_values), original[name].attrs)
+    if "friction_percentiles" in original:
+        dims = original["friction_percentiles"].dims
         percentiles = [
-            dataset["friction_percentiles"].transpose(*dims).values for dataset in (own, *alternatives.values())
+            dataset["friction_percentiles"].transpose(*dims).values for dataset in (original, *alternatives.values())
         ]
         covering_percentiles = extend_percentiles(percentiles[0], percentiles[1:])
-        variables["friction_percentiles"] = (dims, covering_percentiles, own["friction_percentiles"].attrs)
-    covering_dataset = own.assign(variables).assign_attrs(alternatives=list(alternatives))
-    if "remaining_interval" not in own:
+        variables["friction_percentiles"] = (dims, covering_percentiles, original["friction_percentiles"].attrs)
+    covering_dataset = original.assign(variables).assign_attrs(alternatives=list(alternatives))
+    if "remaining_interval" not in original:
         return covering_dataset
-    dims = own["remaining_interval"].dims[1:]
+    dims = original["remaining_interval"].dims[1:]
     labels_by_input = {
         str(name): str(label)
-        for dataset in (own, *alternatives.values())
+        for dataset in (original, *alternatives.values())
         for name, label in zip(dataset["input"].values, dataset["input_label"].values, strict=True)
     }
     remaining_intervals = _extend_estimates(
-        _get_remaining_intervals(own, labels_by_input, dims),
+        _get_remaining_intervals(original, labels_by_input, dims),
         [_get_remaining_intervals(dataset, labels_by_input, dims) for dataset in alternatives.values()],
     )
-    is_budgeted = _find_budgeted_coefficients(own, dims)
+    is_budgeted = _find_budgeted_coefficients(original, dims)
     intervals = {name: dataset["friction_at_cutoff"].transpose(*dims).values for name, dataset in alternatives.items()}
-    own_intervals = own["friction_at_cutoff"].transpose(*dims).values
+    original_intervals = original["friction_at_cutoff"].transpose(*dims).values
     rows = np.stack(
         [
             np.where(
                 is_budgeted,
                 _extend_estimates(
-                    own_intervals,
+                    original_intervals,
                     [other_intervals for other_name, other_intervals in intervals.items() if other_name != name],
                 ),
                 np.nan,
@@ -540,11 +550,11 @@ def _cover_alternatives(own: xarray.Dataset, alternatives: Mapping[AlternativeNa
     other_inputs = covering_dataset.drop_vars(["remaining_interval", "remaining_width", "input", "input_label"])
     remaining_rows = np.concatenate([remaining_intervals, rows])
     return other_inputs.assign(
-        remaining_interval=(("input", *dims), remaining_rows, own["remaining_interval"].attrs),
+        remaining_interval=(("input", *dims), remaining_rows, original["remaining_interval"].attrs),
         remaining_width=(
             ("input", *dims[:-1]),
             remaining_rows[..., 2] - remaining_rows[..., 1],
-            own["remaining_width"].attrs,
+            original["remaining_width"].attrs,
         ),
     ).assign_coords(
         input=("input", [*labels_by_input, *alternatives]), input_label=("input", [*labels_by_input.values(), *labels])
@@ -571,13 +581,13 @@ def _find_budgeted_coefficients(at: xarray.Dataset, dims: Sequence[Any]) -> NDAr
     return np.asarray(~np.isnan(remaining_widths).all(axis=0)[..., np.newaxis])
 
 
-def _extend_estimates(own: Floats, others: Iterable[Floats]) -> Floats:
+def _extend_estimates(estimates_to_widen: Floats, included_estimates: Iterable[Floats]) -> Floats:
     """Widen the intervals of estimates so that they include the intervals of other estimates of the same quantities.
 
     The last axis of each array contains value, lower limit and upper limit.
     """
-    limits = extend_intervals(own[..., 1:], *(estimates[..., 1:] for estimates in others))
-    return np.concatenate([own[..., :1], limits], axis=-1)
+    limits = extend_intervals(estimates_to_widen[..., 1:], *(estimates[..., 1:] for estimates in included_estimates))
+    return np.concatenate([estimates_to_widen[..., :1], limits], axis=-1)
 
 
 def _get_arrays_over_dims(
@@ -609,6 +619,6 @@ def _get_combined_coefficients(
     combined_friction[is_known] = known_intervals[is_known]
     # The interval at the first cutoff must include the intervals at all other cutoffs.
     if study.surfaces.both_readings and "cut_off" in dims:
-        by_cutoff = np.moveaxis(combined_friction, dims.index("cut_off"), 0)
-        by_cutoff[0] = _extend_estimates(by_cutoff[0], by_cutoff[1:])
+        coefficients_by_cutoff = np.moveaxis(combined_friction, dims.index("cut_off"), 0)
+        coefficients_by_cutoff[0] = _extend_estimates(coefficients_by_cutoff[0], coefficients_by_cutoff[1:])
     return combined_friction

@@ -254,7 +254,7 @@ class CombinedIntervals:
         # The first element of `strengths` contains samples of both mu0 and tau0.
         # In each further element, mu0 or tau0 is 0.
         self.strengths = strengths
-        self.is_tested = any(each.area_scores is not None for each in strengths)
+        self.is_tested = any(samples.area_scores is not None for samples in strengths)
         self.area_error = area_error
         self.drifts = drifts
         self._central = central
@@ -369,14 +369,14 @@ class CombinedIntervals:
             _compute_friction_angle_difference(self._compute_sampled_interval({name: quantile}))
             for quantile in FIXED_INPUT_QUANTILES
         ]
-        (low, high), sampled_width = (
+        (lower, upper), sampled_width = (
             self.interval(),
             _compute_friction_angle_difference(self._compute_sampled_interval({})),
         )
         return (
-            min(float(np.mean(friction_angle_widths)) / sampled_width, 1.0) * (high - low)
+            min(float(np.mean(friction_angle_widths)) / sampled_width, 1.0) * (upper - lower)
             if sampled_width > 0
-            else high - low
+            else upper - lower
         )
 
     @property
@@ -399,7 +399,7 @@ class CombinedIntervals:
     def predict_percentiles(self) -> Floats:
         """Return the `FRICTION_PERCENTILES` of the coefficient in single tests, widened to enclose the mean."""
         probabilities = FRICTION_PERCENTILES / 100
-        by_strength = [
+        percentiles_by_strength = [
             compute_quantiles(
                 probabilities
                 if coverage == INTERVAL_COVERAGE
@@ -409,7 +409,7 @@ class CombinedIntervals:
             for samples, coverage in zip(self._next_test_samples, self._coverages, strict=True)
         ]
         value = np.where(FRICTION_PERCENTILES == 50.0, np.nan, self.value)
-        return extend_percentiles(by_strength[0], [*by_strength[1:], value])
+        return extend_percentiles(percentiles_by_strength[0], [*percentiles_by_strength[1:], value])
 
     @cached_property
     def _next_test_samples(self) -> list[tuple[Floats, Floats]]:
@@ -617,19 +617,21 @@ class CombinedIntervals:
         """
         joint, central = self.strengths[strength_index], self.response.central
         joint_values = {"mu0": joint.mu0, "tau0": joint.tau0, **joint.inputs}
-        changes: dict[str, Any] = {name: each for name, each in joint_values.items() if name in _RESPONSE_INPUT_NAMES}
+        changes: dict[str, Any] = {
+            name: sample_values for name, sample_values in joint_values.items() if name in _RESPONSE_INPUT_NAMES
+        }
         if joint.area_scores is not None:
             changes["area_ratio"] = np.exp(self.area_error * joint.area_scores)
-        moduli = {name: each for name, each in joint_values.items() if name not in changes}
+        moduli = {name: sample_values for name, sample_values in joint_values.items() if name not in changes}
         if moduli:
             changes["modulus"] = self._sampler.relative_modulus(moduli)
         values = self.response.evaluate(replace(central, **changes))
         order = np.argsort(np.where(values.has_no_upper_limit, np.inf, values.friction_coefficient))
         indices = order[(samples.probabilities[INTERFACE_INPUT_NAME] * order.size).astype(int)]
-        changes = {name: each[indices] for name, each in changes.items()}
+        changes = {name: sample_values[indices] for name, sample_values in changes.items()}
         if moduli:
-            drawn = {name: each[indices] for name, each in moduli.items()}
-            changes["modulus"] = self._sampler.relative_modulus(samples.values | drawn)
+            selected_moduli = {name: sample_values[indices] for name, sample_values in moduli.items()}
+            changes["modulus"] = self._sampler.relative_modulus(samples.values | selected_moduli)
         if "hardness" in changes:
             changes["hardness"] = changes["hardness"] * inputs.hardness / central.hardness
         return replace(inputs, **changes)
@@ -729,15 +731,15 @@ def _interpolate_quantile(probability: float, values: NDArray[Any]) -> float:
     )
 
 
-def extend_percentiles(own: Floats, others: Iterable[Floats]) -> Floats:
+def extend_percentiles(percentiles: Floats, other_percentiles: Iterable[Floats]) -> Floats:
     """Lower the low percentiles and raise the high percentiles so that they enclose the percentiles of other samples.
 
     The median, and missing percentiles, are kept. NaN in the other percentiles is ignored.
     """
-    all_percentiles = np.array([own, *others])
+    all_percentiles = np.array([percentiles, *other_percentiles])
     with np.errstate(invalid="ignore"):
         lowest, highest = np.fmin.reduce(all_percentiles), np.fmax.reduce(all_percentiles)
     extended_percentiles = np.where(
-        FRICTION_PERCENTILES < 50.0, lowest, np.where(FRICTION_PERCENTILES > 50.0, highest, own)
+        FRICTION_PERCENTILES < 50.0, lowest, np.where(FRICTION_PERCENTILES > 50.0, highest, percentiles)
     )
-    return np.where(np.isnan(own), own, extended_percentiles)
+    return np.where(np.isnan(percentiles), percentiles, extended_percentiles)

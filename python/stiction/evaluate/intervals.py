@@ -101,22 +101,24 @@ class LoadCrossings:
         )
         reached: NDArray[np.bool_] = np.any(is_crossing, axis=-2)
         index = is_crossing.argmax(axis=-2)
-        before = np.take_along_axis(curve, np.maximum(index - 1, 0), axis=-1)
-        step_difference = np.take_along_axis(curve, index, axis=-1) - before
-        fraction = np.divide(loads - before, step_difference, out=np.ones_like(before), where=step_difference > 0)
+        value_before = np.take_along_axis(curve, np.maximum(index - 1, 0), axis=-1)
+        step_difference = np.take_along_axis(curve, index, axis=-1) - value_before
+        fraction = np.divide(
+            loads - value_before, step_difference, out=np.ones_like(value_before), where=step_difference > 0
+        )
         return cls(index, fraction, reached, ~reached & is_at_least_load[..., 0, :])
 
     def without_crossings_after_nan(self, curve: Floats, loads: Floats) -> LoadCrossings:
         """Remove the crossings directly after a loading step at which the curve is unknown (NaN)."""
-        before, at_crossing = self._get_bracketing_values(curve)
-        return replace(self, reached=self.reached & (np.isfinite(before) | (at_crossing == loads)))
+        value_before, value_at_crossing = self._get_bracketing_values(curve)
+        return replace(self, reached=self.reached & (np.isfinite(value_before) | (value_at_crossing == loads)))
 
     def _get_bracketing_values(self, curve: Floats) -> tuple[Floats, Floats]:
         """Return the values of a curve at the loading steps below and above each requested load."""
-        before, after = (
+        values_before, values_after = (
             np.take_along_axis(curve, index, axis=-1) for index in (np.maximum(self.index - 1, 0), self.index)
         )
-        return before, after
+        return values_before, values_after
 
     def interpolate(self, values: Floats, *, are_sums: bool = True) -> Floats:
         """Interpolate a quantity at the requested loads.
@@ -138,12 +140,14 @@ class LoadCrossings:
         shape = np.broadcast_shapes(values.shape[:-1], index.shape[:-1])
         index = np.broadcast_to(index, (*shape, index.shape[-1]))
         values = np.broadcast_to(values, (*shape, values.shape[-1]))
-        after = np.take_along_axis(values, index, axis=-1)
-        before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
+        values_after = np.take_along_axis(values, index, axis=-1)
+        values_before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
         # If a load equals a loading step exactly, the quantity at the previous step may be NaN.
         # Quantities may also be infinite, such as the stiffness at complete contact.
         with np.errstate(invalid="ignore"):
-            interpolated = np.where(fraction == 1, after, before + fraction * (after - before))
+            interpolated = np.where(
+                fraction == 1, values_after, values_before + fraction * (values_after - values_before)
+            )
         if are_sums and self.scale is not None:
             interpolated = interpolated * self.scale[1]
         return np.where(reached, interpolated, np.nan)
@@ -218,14 +222,14 @@ class LoadCrossings:
         """Return the smaller of the two values of a quantity at the steps below and above each requested load."""
         return np.minimum(*self._get_bracketing_values(values))
 
-    def slope(self, values: Floats, over: Floats) -> Floats:
+    def slope(self, values: Floats, reference_values: Floats) -> Floats:
         """Return the slope of one quantity with respect to another, between the steps around each requested load."""
         index = np.maximum(self.index, 1)
-        value_change, over_change = (
+        value_change, reference_change = (
             np.take_along_axis(curves, index, axis=-1) - np.take_along_axis(curves, index - 1, axis=-1)
-            for curves in (values, over)
+            for curves in (values, reference_values)
         )
-        return np.asarray(value_change / over_change)
+        return np.asarray(value_change / reference_change)
 
 
 # ---- Means over repetitions ------------------------------------------------------------------------------------------
@@ -279,14 +283,17 @@ class MeansAtLoads:
 
     def _interpolate_at_crossings(self, curves: Floats) -> Floats:
         """Interpolate curves of any quantity at the crossings with the requested loads."""
-        after, before = curves[self._curve, self._index], curves[self._curve, np.maximum(self._index - 1, 0)]
-        return np.asarray(before + self._fraction * (after - before))
+        values_after, values_before = (
+            curves[self._curve, self._index],
+            curves[self._curve, np.maximum(self._index - 1, 0)],
+        )
+        return np.asarray(values_before + self._fraction * (values_after - values_before))
 
-    def _arrange_over_loads(self, of_points: Floats) -> Floats:
+    def _arrange_over_loads(self, values_at_crossings: Floats) -> Floats:
         """Arrange one number per crossing in an array (curves, loads), with NaN at loads without a crossing."""
-        result = np.full(self.crossing.reached.shape, np.nan)
-        result[self.crossing.reached] = of_points
-        return result
+        values_at_loads = np.full(self.crossing.reached.shape, np.nan)
+        values_at_loads[self.crossing.reached] = values_at_crossings
+        return values_at_loads
 
 
 class _QuantityAtLoads:

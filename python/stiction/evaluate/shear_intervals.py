@@ -141,18 +141,18 @@ class _SampledCurves:
     ) -> None:
         self._test, self._terms = test, []
         self.has_no_solution = np.zeros((1, test.sizes["displacement"]), bool)
-        for variation, other in variations:
+        for variation, varied_test in variations:
             logarithm = math.log(variation.ratio)
             weight = np.clip(np.log(samples.contact_inputs[variation.name])[:, np.newaxis] / logarithm, 0.0, 1.0)
-            self._terms.append((weight, other))
-            is_lost = ~np.isin(other["status"].values, (STATUS_OK, STATUS_DOWNHILL))
+            self._terms.append((weight, varied_test))
+            is_lost = ~np.isin(varied_test["status"].values, (STATUS_OK, STATUS_DOWNHILL))
             self.has_no_solution = self.has_no_solution | ((weight > 0.5) & is_lost)
 
     def sample(self, get_curve: Callable[[xr.Dataset], Floats]) -> Floats:
         """Return the curve that `get_curve` reads from a shear test, for each sample of the inputs (first axis)."""
         central_curve = get_curve(self._test)
         return central_curve + sum(
-            weight * np.nan_to_num(get_curve(other) - central_curve) for weight, other in self._terms
+            weight * np.nan_to_num(get_curve(varied_test) - central_curve) for weight, varied_test in self._terms
         )
 
 

@@ -201,22 +201,25 @@ def progress_bar(
         def advance(count: int = 1) -> None:
             nonlocal num_finished, last_time, show_progress, may_show_bar
             num_finished += count
-            completed, now = num_finished + estimate_progress(), time.monotonic()
+            completed, current_time = num_finished + estimate_progress(), time.monotonic()
             # The remaining time is estimated from the mean time of the tasks that this run has finished.
-            left = (now - start_time) * (total - completed) / (completed - finished) if completed > finished else 0.0
-            left_text = format_duration(left) if completed > finished else "-"
+            remaining_time = (
+                (current_time - start_time) * (total - completed) / (completed - finished)
+                if completed > finished
+                else 0.0
+            )
+            remaining_text = format_duration(remaining_time) if completed > finished else "-"
             if show_progress is None and may_show_bar:
                 # Workers compute while this thread imports the package that draws the bar.
                 show_progress = stack.enter_context(_progress_display(label, total, finished))
                 may_show_bar = show_progress is not None
             if show_progress is not None:
-                show_progress(completed, left_text)
-            elif now - last_time > PROGRESS_LINE_INTERVAL:
-                last_time = now
-                line = (
-                    f"{num_finished}/{total} {label}, {completed / total:.1%} after {format_duration(now - start_time)}"
-                )
-                line += f", about {left_text} left" if completed > finished else ""
+                show_progress(completed, remaining_text)
+            elif current_time - last_time > PROGRESS_LINE_INTERVAL:
+                last_time = current_time
+                elapsed_text = format_duration(current_time - start_time)
+                line = f"{num_finished}/{total} {label}, {completed / total:.1%} after {elapsed_text}"
+                line += f", about {remaining_text} left" if completed > finished else ""
                 # Writing fails if standard error is closed.
                 with contextlib.suppress(OSError):
                     print(f"{PROGRESS_PREFIX}{line}", file=sys.stderr, flush=True)

@@ -155,22 +155,22 @@ class StoredResult:
         """
         block_ranges, next_member = [], 0
         for block in sorted(self.blocks, key=lambda block: (block.first, -block.last, block.checksum)):
-            first, last = max(block.first, next_member), min(block.last + 1, self.study.ensemble.repetitions)
-            if first < last:
-                block_ranges.append((block, first, last))
-                next_member = last
+            start, stop = max(block.first, next_member), min(block.last + 1, self.study.ensemble.repetitions)
+            if start < stop:
+                block_ranges.append((block, start, stop))
+                next_member = stop
         return block_ranges
 
     @property
     def num_finished(self) -> int:
         """Number of finished members of the result."""
-        return sum(last - first for _, first, last in self._block_ranges)
+        return sum(stop - start for _, start, stop in self._block_ranges)
 
     @cached_property
     def finished_members(self) -> NDArray[np.intp]:
         """Indices of the finished members of the result, in ascending order."""
         return np.concatenate(
-            [np.empty(0, np.intp), *(np.arange(first, last) for _, first, last in self._block_ranges)]
+            [np.empty(0, np.intp), *(np.arange(start, stop) for _, start, stop in self._block_ranges)]
         )
 
     @cached_property

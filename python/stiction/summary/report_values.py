@@ -134,7 +134,7 @@ def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDA
     dims_of_mean = tuple(dim for dim in dims if dim != "direction")
     by_direction = values["friction_coefficient"].transpose(*dims, "statistic").values
     mean = values["mean_friction"].transpose(*dims_of_mean, "statistic").values
-    combined = (
+    combined_friction = (
         values["friction_combined"].transpose(*dims_of_mean, "statistic").values
         if "friction_combined" in values
         else mean
@@ -147,7 +147,7 @@ def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDA
         sampling = mean if is_mean else by_direction[:, :, directions[0]]
         arrays_by_motion.append(
             (
-                combined if is_mean else sampling,
+                combined_friction if is_mean else sampling,
                 sampling,
                 _find_status_codes(status[:, :, directions], sampling[..., 0]),
                 num_solved[:, :, directions].min(axis=2),

@@ -361,7 +361,9 @@ def point_record(point: PointSummary) -> dict[str, Any]:
             {"input": entry.label, "coefficient": entry.to_record({"input": entry.label}), "width": entry.width}
             for entry in point.budget
         ],
-        "after_dwell": [aged.to_record({"dwell_time": aged.seconds}) for aged in point.after_dwell],
+        "after_dwell": [
+            aged_estimate.to_record({"dwell_time": aged_estimate.seconds}) for aged_estimate in point.after_dwell
+        ],
         "rate_and_state": _rate_and_state_record(point),
         "scans": _build_body_fields(point.scans),
         "contact_status": point.contact_status,

@@ -50,9 +50,9 @@ def finer_scan_text(point: PointSummary) -> str:
     """
     if point.bracket is None or point.hardness is None:
         return ""
-    low, high = (f"{end:.3f}" for end in point.bracket)
-    bounds_text = f"{low} (μ0 + τ0/{'H′' if point.has_junction_growth else 'H'})" + (
-        f" to {high}" if low != high else ""
+    lower_bound, upper_bound = (f"{end:.3f}" for end in point.bracket)
+    bounds_text = f"{lower_bound} (μ0 + τ0/{'H′' if point.has_junction_growth else 'H'})" + (
+        f" to {upper_bound}" if lower_bound != upper_bound else ""
     )
     # Small contacts may be harder because of the indentation size effect.
     bounds_text += ", unless small contacts are harder"
@@ -194,11 +194,11 @@ def contact_hardness_text(points: Sequence[PointSummary], indent: float) -> str:
     hardnesses, lower, upper = zip(
         *(point.values["contact_hardness"].values.ravel().tolist() for point in points), strict=True
     )
-    smallest_hardness, largest_hardness, low, high = (
+    smallest_hardness, largest_hardness, lower_text, upper_text = (
         format_with_unit(hardness, "GPa") for hardness in (min(hardnesses), max(hardnesses), min(lower), max(upper))
     )
     hardness = " to ".join(dict.fromkeys((smallest_hardness, largest_hardness)))
-    return f"measured {format_with_unit(indent, 'um')} deep, {hardness} [{low}, {high}] in the contacts"
+    return f"measured {format_with_unit(indent, 'um')} deep, {hardness} [{lower_text}, {upper_text}] in the contacts"
 
 
 def area_loss_text(study: Study, loss: UncertainInput) -> str:
@@ -245,8 +245,10 @@ def _hardness_range_text(study: Study) -> str:
         return ""
     if hardness_input.text == hardness_input.estimate.text:
         return f" ({hardness_input.text})"
-    low, high = (format_with_unit(end, "GPa") for end in (hardness_input.estimate.low, hardness_input.estimate.high))
-    return f" ({low} to {high})"
+    lower_text, upper_text = (
+        format_with_unit(end, "GPa") for end in (hardness_input.estimate.low, hardness_input.estimate.high)
+    )
+    return f" ({lower_text} to {upper_text})"
 
 
 _LOAD_DEFINITION_TEXTS = {
@@ -447,7 +449,7 @@ def dwell_time_text(point: PointSummary) -> str:
 
     Returns "" if the study has no dwell times.
     """
-    estimate_texts = [f"{format_time(aged.seconds)} {aged}" for aged in point.after_dwell]
+    estimate_texts = [f"{format_time(aged_estimate.seconds)} {aged_estimate}" for aged_estimate in point.after_dwell]
     ageing_reason = (
         "; none if the hardness falls below the pressure"
         if any(math.isnan(aged_estimate.value) for aged_estimate in point.after_dwell)

@@ -156,9 +156,9 @@ def spread_label_positions(label_positions: ArrayLike, min_distance: float) -> F
         shifts = np.maximum(missing_distances, 0) / 2
         spread_positions[:-1] -= shifts
         spread_positions[1:] += shifts
-    result = np.empty_like(spread_positions)
-    result[ascending_order] = spread_positions
-    return result
+    final_positions = np.empty_like(spread_positions)
+    final_positions[ascending_order] = spread_positions
+    return final_positions
 
 
 # ---- Figure files ----------------------------------------------------------------------------------------------------
@@ -174,12 +174,12 @@ def parse_formats(formats: Sequence[str]) -> tuple[str, ...]:
 
     Raises a `ValueError` if a format is unknown.
     """
-    result = tuple(dict.fromkeys(str(item).lower().removeprefix(".") for item in formats))
-    if not result or not set(result) <= set(FIGURE_FORMATS):
+    file_formats = tuple(dict.fromkeys(str(item).lower().removeprefix(".") for item in formats))
+    if not file_formats or not set(file_formats) <= set(FIGURE_FORMATS):
         raise ValueError(
             f"formats must be among {', '.join(FIGURE_FORMATS)}, got {', '.join(map(str, formats)) or 'none'}"
         )
-    return result
+    return file_formats
 
 
 def save_figure(figure: Figure, path: Path) -> None:

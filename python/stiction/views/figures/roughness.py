@@ -34,25 +34,25 @@ def characterisation_figure(body: Profile | Surface | Characterisation, **option
 
     Options are the same as for `characterisation_text`.
     """
-    result = to_characterisation(body, **options)
+    characterisation = to_characterisation(body, **options)
     with mpl.rc_context(MATPLOTLIB_STYLE):
-        if isinstance(result.body, Profile):
+        if isinstance(characterisation.body, Profile):
             figure = new_figure(88)
             upper_subfigure, lower_subfigure = figure.subfigures(2, 1, squeeze=False, height_ratios=[1, 1.7])[:, 0]
             axes = upper_subfigure.subplot_mosaic([["heights", "distribution"]], width_ratios=[1.7, 1])
             axes |= lower_subfigure.subplot_mosaic([["spectrum"]])
-            _draw_profile_heights(axes["heights"], result.body)
+            _draw_profile_heights(axes["heights"], characterisation.body)
         else:
             figure = new_figure(112, width=PAGE_WIDTH)
             upper_subfigure, lower_subfigure = figure.subfigures(1, 2, squeeze=False, width_ratios=[1, 1.1])[0]
             axes = upper_subfigure.subplot_mosaic([["heights"], ["distribution"]], height_ratios=[2, 1])
             axes |= lower_subfigure.subplot_mosaic([["spectrum"], ["lines"]])
-            _draw_height_map(upper_subfigure, axes["heights"], result.body)
-            for line, colour in zip(result.line_roughnesses, MAP_AXIS_COLOURS.items(), strict=True):
+            _draw_height_map(upper_subfigure, axes["heights"], characterisation.body)
+            for line, colour in zip(characterisation.line_roughnesses, MAP_AXIS_COLOURS.items(), strict=True):
                 _draw_line_spectrum(axes["lines"], line, *colour)
             _format_spectrum_axes(axes["lines"], "µm³")
-        _draw_spectrum(axes["spectrum"], result)
-        _draw_height_distribution(axes["distribution"], result.body.heights)
+        _draw_spectrum(axes["spectrum"], characterisation)
+        _draw_height_distribution(axes["distribution"], characterisation.body.heights)
     return figure
 
 
