@@ -1,4 +1,4 @@
-"""Tests of the words for members in output."""
+"""Tests of the words that output uses for members."""
 
 import pytest
 from stiction import Study

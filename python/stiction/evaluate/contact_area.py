@@ -109,7 +109,7 @@ class AreaFunction:
         yield_exponent: ArrayLike | None = None, elastic_area: Floats | None = None,
         size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH,
     ) -> Floats:  # fmt: skip
-        """Return the true area (µm²) before shear.
+        """Return the true area (µm²) before shear at given loads (mN) and inputs.
 
         Hardness and yield exponent are by default those of the study.
 
@@ -134,7 +134,7 @@ class AreaFunction:
     def _compute_area_at_pressure(
         self, pressure: Floats | None, load: ArrayLike, elastic_area: Floats, yield_exponent: ArrayLike | None
     ) -> Floats:
-        """Return the true area (µm²) of contacts that yield at `pressure` (GPa); None means elastic contacts."""
+        """Return the true area (µm²) of contacts that yield at `pressure` (GPa), or the elastic area for None."""
         if pressure is None:
             return elastic_area
         exponent = self.yield_exponent if yield_exponent is None else yield_exponent
@@ -146,9 +146,10 @@ class AreaFunction:
         yield_exponent: ArrayLike | None = None, elastic_area: Floats | None = None,
         size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH, yield_pressure: Floats | None = None,
     ) -> OnsetState:  # fmt: skip
-        """Return area and yielding of the contacts at the onset of sliding, for the same arguments as `__call__`.
+        """Return the state of the contacts at the onset of sliding, such as true area and friction fraction.
 
-        `yield_pressure` is the pressure (GPa) of yielding contacts under this law at this load, if computed before.
+        `yield_pressure` is the pressure (GPa) of yielding contacts under this law at this load, if computed before. All
+        other arguments are the same as for `__call__`.
         """
         elastic_area = self.elastic_area(load, modulus) if elastic_area is None else elastic_area
 

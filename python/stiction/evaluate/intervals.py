@@ -57,7 +57,7 @@ def student_quantile(freedom: ArrayLike) -> Floats:
 
 @dataclass(frozen=True)
 class LoadCrossings:
-    """Crossings at which load curves first reach requested loads.
+    """Positions on load curves at which the curves first reach requested loads.
 
     A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
     """

@@ -288,7 +288,7 @@ def add_shear_intervals(
 
 
 def _compute_limits(values: Floats) -> Floats:
-    """Return the 95 % limits of samples (first axis).
+    """Return the limits of the 95 % interval of samples, which lie along the first axis.
 
     Returns NaN if a sample is NaN.
     """

@@ -146,7 +146,7 @@ class SurfacePair:
     def _call_core(
         self, function: Callable[..., Any], deepest: float, model: ContactModel, arguments: dict[str, Any]
     ) -> Any:
-        """Call a function of the C++ core with the gap minima.
+        """Call a function of the C++ core with the minima of the pair's gap.
 
         With "cell" detection, pass both surfaces instead.
         """

@@ -679,7 +679,7 @@ INTERVAL_KIND_ATTRIBUTE = "interval_kind"
 
 
 def find_interval_kind(name: str, attributes: Mapping[Any, Any]) -> EstimateKind:
-    """Return the kind of a quantity's 95 % interval, from the attributes of a variable or else from the default."""
+    """Return the kind of a quantity's 95 % interval: the attribute of its variable or, without it, the default kind."""
     kind: EstimateKind = attributes.get(INTERVAL_KIND_ATTRIBUTE, QUANTITIES[name].interval_kind)
     return kind
 

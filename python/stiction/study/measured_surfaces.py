@@ -79,7 +79,7 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
 
     @property
     def member_names(self) -> MemberNames:
-        """Words for the members in output: positions, or pairs of surrogates."""
+        """Word that output uses for the members: positions, or pairs of surrogates."""
         return POSITION_NAMES
 
     def cell_coordinates(self) -> dict[str, Floats]:
@@ -248,7 +248,7 @@ class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
 
     @property
     def member_names(self) -> MemberNames:
-        """Words for the members in output: positions, pairs of surrogates, or both."""
+        """Word that output uses for the members: positions, pairs of surrogates, or both."""
         return MIXED_MEMBER_NAMES if self.surrogates else POSITION_NAMES
 
     @property
@@ -292,7 +292,7 @@ class SurrogateSettings(CommonMeasuredSurfaceSettings):
 
     @property
     def member_names(self) -> MemberNames:
-        """Words for the members in output: pairs of surrogates."""
+        """Word that output uses for the members: pairs of surrogates."""
         return SURROGATE_PAIR_NAMES
 
     def build_member_source(

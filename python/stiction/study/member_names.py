@@ -1,4 +1,4 @@
-"""Words for the members of a study in output, such as positions or repetitions."""
+"""Words that output uses for the members of a study, such as positions or repetitions."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class MemberNames(NamedTuple):
-    """Word for the members of a study in output, in singular and plural, such as "position" and "positions"."""
+    """Word that output uses for the members of a study, in singular and plural, as in "position" and "positions"."""
 
     singular: str
     plural: str

@@ -487,7 +487,7 @@ class Study(SettingsSection):
 
     @property
     def member_names(self) -> MemberNames:
-        """Words for the members in output: repetitions, positions or pairs of surrogates."""
+        """Word that output uses for the members: repetitions, positions or pairs of surrogates."""
         return self.surfaces.member_names
 
     @property
@@ -663,7 +663,7 @@ class Study(SettingsSection):
 
 
 def _convert_section(section: SettingsSection, target_class: type[SettingsSection]) -> dict[str, Any]:
-    """Convert a section to another class.
+    """Convert a section of a study to the class of another variant of the section.
 
     Keys that differ from the default of the old class keep their values.
     """

@@ -429,7 +429,7 @@ def compute_checked_quantities(
 
 
 def list_contact_check_names(study: Study) -> list[str]:
-    """Return the names of the numbers that the checks of contacts, pull-off force and rms gradient compare."""
+    """Return the names of the checked numbers that describe contacts, pull-off force and rms gradient."""
     check_groups = ([STEEP_SURFACE_CHECK], _build_contact_count_checks(study), *_build_contact_checks(study))
     return list(dict.fromkeys(check.name for group in check_groups for check in group))
 

@@ -222,7 +222,7 @@ class GeneratedReportValues:
 
     @property
     def assessments(self) -> list[str]:
-        """Assessments that follow from the sets of caveats, one per set."""
+        """Assessment that follows from each set of caveats."""
         return [assess_caveats(caveats) for caveats in self.caveat_sets]
 
 

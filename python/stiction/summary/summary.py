@@ -168,7 +168,7 @@ class PointSummary:
 
     @property
     def contribution_terms(self) -> dict[str, float]:
-        """Contributions to the coefficient by name; empty if they are unknown.
+        """Contributions of mu0, adhesion and slopes to the coefficient, by name; empty if they are unknown.
 
         The contributions of mu0 and tau0 are one term if the tests of the interface determine only their sum.
         """

@@ -35,7 +35,7 @@ OUTPUT_FILE_SIGNATURES = {
 
 
 def check_all_replaceable(directory: Path, file_marks: Mapping[str, bytes]) -> None:
-    """Raise a `ValueError` if an existing file lacks the bytes that mark it as a file that may be replaced."""
+    """Raise a `ValueError` if an existing file lacks its mark, which only files written by stiction contain."""
     for name, file_mark in file_marks.items():
         check_replaceable(directory / name, file_mark, ValueError)
 

@@ -159,7 +159,7 @@ def main_values_text(
 
 
 def combined_intervals_note(point: PointSummary) -> str:
-    """Return the note above the tables, which states which intervals include the uncertain inputs."""
+    """Return the note above tables of quantities on which of their intervals include the uncertain inputs."""
     if "friction_combined" not in point.values:
         return "Intervals in the following tables are 95 % intervals of the mean for exact inputs."
     alternatives = " and alternative preparations of the scans" if point.values.attrs.get("alternatives") else ""
@@ -389,7 +389,7 @@ def _direction_paragraphs(point: PointSummary, *, verbose: bool) -> list[Paragra
 
 
 def _sort_rules_of_directions(point: PointSummary) -> list[SlidingRuleCoefficient]:
-    """Return a result point's coefficients, one per sliding rule, in the order of columns in tables of directions.
+    """Return a result point's coefficients, one per sliding rule, in the column order of tables of directions.
 
     The first column is for the rule "all", unless an interface was fitted under the other rule.
     """

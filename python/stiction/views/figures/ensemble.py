@@ -281,7 +281,7 @@ def _draw_friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: flo
 
 
 def _hatch_cells(axes: Axes, x: Floats, y: Floats, is_hatched: NDArray[np.bool_]) -> None:
-    """Hatch the cells of a chart that a mask selects.
+    """Hatch the chart cells that a mask selects.
 
     The colours of the cells remain visible.
     """
