@@ -90,7 +90,11 @@ def average_members(
 
     directional_dims, directional_means, attributes = variables["friction_coefficient"]
     is_downhill = directional_means[..., 0] < -NEGLIGIBLE_COEFFICIENT
-    variables["friction_coefficient"] = directional_dims, _remove_negative(directional_means, is_downhill), attributes
+    variables["friction_coefficient"] = (
+        directional_dims,
+        _remove_negative_means(directional_means, is_downhill),
+        attributes,
+    )
     # A mean over directions has no meaning if the body slides by itself in one direction.
     # An exception is mu0 = tau0 = 0, where the coefficients of opposite directions cancel to a mean of 0.
     has_strength = np.add.outer(members["mu0"].values, members["tau0"].values) > 0
@@ -106,7 +110,7 @@ def average_members(
             average(dims, lambda members: average_over_directions(get_coefficients(members))), dims, members
         )
         is_removed = is_any_downhill | (means[..., 0] < -NEGLIGIBLE_COEFFICIENT)
-        return (*dims, "statistic"), _remove_negative(means, is_removed), quantity_attributes(name)
+        return (*dims, "statistic"), _remove_negative_means(means, is_removed), quantity_attributes(name)
 
     variables["mean_friction"] = average_coefficients(
         lambda coefficients: coefficients.mean(axis=direction_axis), dims_of_mean, "mean_friction",
@@ -283,7 +287,7 @@ def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tupl
     return status, limited_fraction
 
 
-def _remove_negative(means: Floats, is_removed: NDArray[np.bool_]) -> Floats:
+def _remove_negative_means(means: Floats, is_removed: NDArray[np.bool_]) -> Floats:
     """Replace masked means and their limits by NaN. Replace negative means, which are round-off, by 0.
 
     The last axis contains mean, lower limit and upper limit.

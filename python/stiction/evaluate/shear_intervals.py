@@ -59,7 +59,7 @@ class ShearInputSamples:
     probabilities: Floats
 
 
-def _draw_points(dimensions: int, num_displacements: int) -> Floats:
+def _generate_sample_points(dimensions: int, num_displacements: int) -> Floats:
     """Return points of a Sobol sequence, one per sample; many displacements reduce the number of samples."""
     count = min(NUM_INPUT_SAMPLES, 2 ** int(math.log2(MAX_CURVE_VALUE_COUNT / num_displacements)))
     return generate_sobol_points(dimensions, max(count, MIN_INPUT_SAMPLES), seed=2016)
@@ -72,7 +72,7 @@ def draw_shear_samples(
     uncertain_inputs, joint_strengths = find_inputs_and_strengths(inputs, strength)
     if not uncertain_inputs and all(np.ptp(joint.mu0) == np.ptp(joint.tau0) == 0 for joint in joint_strengths):
         return []
-    *points, probabilities, interface_points = _draw_points(len(uncertain_inputs) + 2, num_displacements).T
+    *points, probabilities, interface_points = _generate_sample_points(len(uncertain_inputs) + 2, num_displacements).T
     input_samples = {
         name: study_input.estimate.quantile(column)
         for column, (name, study_input) in zip(points, uncertain_inputs.items(), strict=True)
@@ -273,7 +273,7 @@ def add_shear_intervals(
         closures = {name: _get_values(test, name)[np.newaxis] for name in CLOSURE_NAMES}
         sampled_tests, probabilities = (
             [_summarize_samples(test, *curves) | closures],
-            _draw_points(1, test.sizes["displacement"])[:, 0],
+            _generate_sample_points(1, test.sizes["displacement"])[:, 0],
         )
     else:
         return test
@@ -282,12 +282,12 @@ def add_shear_intervals(
         value = test[name].values if name in (*CURVE_NAMES, *CLOSURE_NAMES) else np.asarray(test.attrs[name])
         shift = 0.0 if strip_errors is None else strip_errors.error_quantiles(name, value.shape, probabilities)
         limits[name] = _extend_to_value(
-            name, value, [_compute_limits(sampled_test[name] + shift) for sampled_test in sampled_tests]
+            name, value, [_compute_interval_limits(sampled_test[name] + shift) for sampled_test in sampled_tests]
         )
-    return _store_limits(test, limits)
+    return _add_interval_limits(test, limits)
 
 
-def _compute_limits(values: Floats) -> Floats:
+def _compute_interval_limits(values: Floats) -> Floats:
     """Return the limits of the 95 % interval of samples, which lie along the first axis.
 
     Returns NaN if a sample is NaN.
@@ -307,7 +307,7 @@ def _extend_to_value(name: str, value: Floats, limits: Sequence[Floats]) -> Floa
     return extended_limits if "dilation" in name else np.maximum(extended_limits, 0.0)
 
 
-def _store_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
+def _add_interval_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
     """Return a copy of a shear test with interval limits: variables for curves, attributes for single values."""
     attributes: dict[str, float] = {}
     displacement = test["displacement"].values

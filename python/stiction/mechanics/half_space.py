@@ -428,7 +428,7 @@ class HalfSpaceCurve(FrictionCurve):
         return {name: np.array(values) for name, values in zip(DIRECTED_TOTALS, totals, strict=True)}
 
     def _with_contact_sums(self, model: ContactModel, sums: PatchSums) -> HalfSpaceCurve:
-        totals = _sum_over_patches(model, self._contact_solutions, sums)
+        totals = _compute_contact_sums(model, self._contact_solutions, sums)
         changed_fields: dict[str, Any] = {name: make_read_only(values) for name, values in totals.items()}
         return replace(self, **changed_fields, _model=model, _sums=sums)
 
@@ -656,7 +656,7 @@ def _make_curve(
     record: SolutionRecord,
 ) -> HalfSpaceCurve:  # fmt: skip
     sums = sum_patches(contacts, model.directions())
-    columns: dict[str, Any] = tabulate_solutions(contacts) | _sum_over_patches(model, contacts, sums)
+    columns: dict[str, Any] = tabulate_solutions(contacts) | _compute_contact_sums(model, contacts, sums)
     return HalfSpaceCurve(
         **{name: make_read_only(values) for name, values in columns.items()},
         effective_modulus=float(model.effective_modulus), _problem=problem, _model=model,
@@ -664,7 +664,9 @@ def _make_curve(
     )  # fmt: skip
 
 
-def _sum_over_patches(model: ContactModel, contacts: Sequence[ContactSolution], sums: PatchSums) -> dict[str, Floats]:
+def _compute_contact_sums(
+    model: ContactModel, contacts: Sequence[ContactSolution], sums: PatchSums
+) -> dict[str, Floats]:
     """Return the contact sums of `HalfSpaceCurve` by name, each over all patches: (k,), or (d, k) for d directions."""
     totals = sums.totals(model.sliding)
     if contacts[0].problem.work_of_adhesion > 0:

@@ -77,8 +77,8 @@ class PatchSums:
         Sums have the shape (k,) or, if they depend on the direction, (directions, k).
         """
         return {
-            "contact_area": self._total(self.area),
-            "normal_elastic": self._total(self.force),
+            "contact_area": self._sum_over_patches(self.area),
+            "normal_elastic": self._sum_over_patches(self.force),
             **dict(zip(DIRECTED_TOTALS, self.directed_totals(sliding), strict=True)),
         }
 
@@ -86,10 +86,10 @@ class PatchSums:
         """Return each sum of `DIRECTED_TOTALS` over the patches with friction, with the shape (directions, k)."""
         sums = (self.leaning, self.upward, self.forward, self.upward_area, self.forward_area)
         if sliding == "all":
-            return [self._total(values) for values in sums]
-        return [self._total(np.where(self.opposes_motion, values, 0.0)) for values in sums]
+            return [self._sum_over_patches(values) for values in sums]
+        return [self._sum_over_patches(np.where(self.opposes_motion, values, 0.0)) for values in sums]
 
-    def _total(self, values: Floats) -> Floats:
+    def _sum_over_patches(self, values: Floats) -> Floats:
         """Return the sum of a quantity over all patches of each contact."""
         return np.asarray(np.add.reduceat(values, self.first_patch, axis=-1))
 

@@ -129,7 +129,7 @@ class ShearBox:
     tolerance: float = 1e-6
 
     @cached_property
-    def _motion(self) -> Floats:
+    def _motion_vector(self) -> Floats:
         """Unit vector of the motion, in the order of the array axes: y and x, or only x for profiles."""
         angle = math.radians(self.direction)
         vector = np.array([math.sin(angle), math.cos(angle)])[-self.lower.heights.ndim :]
@@ -145,9 +145,11 @@ class ShearBox:
 
         The offsets are spread evenly over the path (µm) and rounded to grid points, without repetitions.
         """
-        num_points = int(np.abs(path * self._motion / self.lower.spacings).sum()) + 1
+        num_points = int(np.abs(path * self._motion_vector / self.lower.spacings).sum()) + 1
         displacements = np.linspace(0.0, path, min(steps, num_points) + 1)
-        rounded_offsets = np.rint(displacements[:, np.newaxis] * self._motion / self.lower.spacings).astype(np.int64)
+        rounded_offsets = np.rint(displacements[:, np.newaxis] * self._motion_vector / self.lower.spacings).astype(
+            np.int64
+        )
         offsets: NDArray[np.int64] = rounded_offsets[
             np.append(True, np.any(np.diff(rounded_offsets, axis=0) != 0, axis=1))
         ]
@@ -185,7 +187,7 @@ class ShearBox:
     @property
     def _strip_axis(self) -> int:
         """Axis across which both faces are cut into strips that run along the motion."""
-        return int(np.argmin(np.abs(self._motion)))
+        return int(np.argmin(np.abs(self._motion_vector)))
 
     def cut_strips(self, offsets: NDArray[np.int64], count: int | None = None) -> list[ShearBox]:
         """Cut both faces into strips along the motion.
@@ -220,7 +222,7 @@ class ShearBox:
 
     def displacements(self, offsets: NDArray[np.int64]) -> Floats:
         """Return the displacement (µm) along the path for each offset in grid points."""
-        return np.asarray((offsets * self.lower.spacings) @ self._motion)
+        return np.asarray((offsets * self.lower.spacings) @ self._motion_vector)
 
     def _find_overlap(self, offset: NDArray[np.int64]) -> tuple[list[int], list[int], list[int]]:
         """Return the first grid point of the overlap on the upper and the lower face, and the shape of the overlap."""
@@ -243,7 +245,7 @@ class ShearBox:
             return upper, replace(self.lower, history=())
         *starts, shape = self._find_overlap(offset)
         upper, lower = (
-            _select_points(body, _slices(start, shape))
+            _select_points(body, _make_slices(start, shape))
             for body, start in zip((self.upper, self.lower), starts, strict=True)
         )
         return upper, lower
@@ -296,7 +298,7 @@ class ShearBox:
         else:
             *starts, shape = self._find_overlap(offset)
             upper_slopes, lower_slopes = (
-                [slope[_slices(start, shape)] for slope in slopes]
+                [slope[_make_slices(start, shape)] for slope in slopes]
                 for slopes, start in zip(self._slopes, starts, strict=True)
             )
         edges = self._find_edges(offset)
@@ -344,7 +346,7 @@ class ShearBox:
             `elastic_load` (mN) is the load without friction. The normal load includes vertical forces due to friction.
             """
             curve = self.solve_contact(offset, elastic_load)
-            rows.append(self._make_row(curve, offset, first_contact_height, elastic_load))
+            rows.append(self._collect_results(curve, offset, first_contact_height, elastic_load))
             if first_row is None:
                 return self._compute_normal_load(rows[-1]) - self.load, self.load
             rise = float(rows[-1]["height"]) - float(first_row["height"])
@@ -354,13 +356,13 @@ class ShearBox:
         load_guess = self.load if previous_row is None else float(previous_row["elastic_load"])
         load_guess = load_guess if math.isfinite(load_guess) else self.load
         try:
-            status = _find_root(compare_load, load_guess, self.load, max_load)
+            status = _search_contact_force(compare_load, load_guess, self.load, max_load)
         except NoSolutionError:
             status = STATUS_NOT_SOLVED
         row = rows[-1] if rows and status == STATUS_OK else dict.fromkeys((*_STEP_QUANTITIES, "elastic_load"), math.nan)
         return row | {"overlap_area": overlap_area, "status": status}
 
-    def _make_row(
+    def _collect_results(
         self, curve: HalfSpaceCurve, offset: NDArray[np.int64], first_contact_height: float, elastic_load: float
     ) -> StepResult:
         """Return the results of a solved contact by name, such as contact sums and the height of the upper face."""
@@ -490,7 +492,7 @@ class ShearBox:
         return dataset.assign_attrs(summarize_curve(dataset))
 
 
-def _slices(start: list[int], shape: list[int]) -> tuple[slice, ...]:
+def _make_slices(start: list[int], shape: list[int]) -> tuple[slice, ...]:
     return tuple(slice(start_index, start_index + count) for start_index, count in zip(start, shape, strict=True))
 
 
@@ -514,7 +516,7 @@ def _compute_measured_area(upper: Profile | Surface, lower: Profile | Surface) -
     return count * math.prod(lower.spacings)
 
 
-def _find_root(
+def _search_contact_force(
     compare_load: Callable[[float], tuple[float, float]], load_guess: float, load: float, max_load: float
 ) -> Status:
     """Search for the contact force (elastic load) that gives the target normal load, and return the search status.

@@ -138,7 +138,13 @@ class MeasuredPair:
         """
         pair = cls(validate_option_values(values), reads_scans=False)
         _ = pair.files, pair._given_loads, pair._friction_parameters, pair.elasticity, pair._hardness
-        _ = pair._adhesion_entries, pair._junction_growth, pair._yield_exponent, pair._area_loss, pair._indent
+        _ = (
+            pair._adhesion_entries,
+            pair._junction_growth,
+            pair._yield_exponent,
+            pair._area_loss,
+            pair._indentation_depth,
+        )
         for name in ("cutoff", "width", "wait"):
             if (value := pair.options.option_value(name)) not in (None, "none"):
                 pair._parse_quantities(name, value)
@@ -689,7 +695,7 @@ class MeasuredPair:
                 section["junction_growth"] = 0.0
             if (exponent := self._yield_exponent) is not None:
                 section["yield_exponent"] = exponent
-            if (indent := self._indent) is not None:
+            if (indent := self._indentation_depth) is not None:
                 section["indent"] = indent
             if (area_loss := self._area_loss) is not None:
                 section["area_loss"] = area_loss
@@ -784,7 +790,7 @@ class MeasuredPair:
         return self._parse_input("yield_exponent", value)
 
     @property
-    def _indent(self) -> Quantity | None:
+    def _indentation_depth(self) -> Quantity | None:
         """Depth (µm) of the indentation from which the hardness was measured, or None if the depth is unknown."""
         if (value := self.options.indent) is None:
             return None

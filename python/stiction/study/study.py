@@ -464,7 +464,7 @@ class Study(SettingsSection):
                 for name in ("effective_modulus", "hardness", "work_of_adhesion", "indent")
             ),
         )
-        text = json.dumps(_drop_paths(sections), sort_keys=True, default=str)
+        text = json.dumps(_replace_paths_by_checksums(sections), sort_keys=True, default=str)
         return f"{zlib.crc32(text.encode()):08x}"
 
     @property
@@ -685,12 +685,12 @@ def drop_none_entries(section: SettingsSection) -> dict[str, Any]:
     return dict(sorted(data.items(), key=lambda item: key_order.get(item[0], 0)))
 
 
-def _drop_paths(value: Any) -> Any:
+def _replace_paths_by_checksums(value: Any) -> Any:
     """Return nested entries of a study, in which a checksum replaces the path or the loaded body of a scan."""
     if isinstance(value, Mapping):
         ignored_keys = ("file", "body") if "sha256" in value else ()
-        return {key: _drop_paths(item) for key, item in value.items() if key not in ignored_keys}
-    return [_drop_paths(item) for item in value] if isinstance(value, (list, tuple)) else value
+        return {key: _replace_paths_by_checksums(item) for key, item in value.items() if key not in ignored_keys}
+    return [_replace_paths_by_checksums(item) for item in value] if isinstance(value, (list, tuple)) else value
 
 
 def study_names() -> list[str]:

@@ -154,7 +154,7 @@ def build_parameter_axes(study: Study) -> tuple[ParameterAxis, ParameterAxis]:
     max_tau0 = max_tau0 if hardness is None else min(max_tau0, MAX_TAU0_OVER_HARDNESS * float(hardness))
     # If a study of generated surfaces has several tau0, its largest tau0 is the largest in the report.
     max_tau0 = tau0[-1] if tau0.size > 1 and not is_measured else max(max_tau0, tau0[-1])
-    round_tau0 = _round_steps(max_tau0, MAX_TAU0_STEPS[is_measured])
+    round_tau0 = _list_round_numbers(max_tau0, MAX_TAU0_STEPS[is_measured])
     round_mu0 = np.array(MEASURED_MU0_VALUES if is_measured else GENERATED_MU0_VALUES)
     return (
         _build_axis(mu0, round_mu0, has_range="mu0" in names_with_range),
@@ -162,7 +162,7 @@ def build_parameter_axes(study: Study) -> tuple[ParameterAxis, ParameterAxis]:
     )
 
 
-def _round_steps(largest: float, max_count: int) -> Floats:
+def _list_round_numbers(largest: float, max_count: int) -> Floats:
     """Return the numbers from 0 to `largest` in steps of 1, 2 or 5 times a power of 10.
 
     The step is the smallest for which `largest` is at most `max_count` steps.

@@ -132,7 +132,7 @@ def _caveat_number_arrays(values: GeneratedReportValues) -> dict[str, ReportArra
     """Return an array for each number in caveats, with NaN at result points whose caveats lack the number."""
     assessments_by_number: dict[tuple[str, str], list[int]] = {}
     for index, caveats in enumerate(values.caveat_sets):
-        for check in filter(_has_number, caveats):
+        for check in filter(_contains_number, caveats):
             assessments_by_number.setdefault((check.shown_name, check.shown), []).append(index)
     return {
         f"number_{name}": NumberArray(
@@ -143,7 +143,7 @@ def _caveat_number_arrays(values: GeneratedReportValues) -> dict[str, ReportArra
     }
 
 
-def _has_number(reason: Caveat | LimitCheck) -> TypeGuard[LimitCheck]:
+def _contains_number(reason: Caveat | LimitCheck) -> TypeGuard[LimitCheck]:
     """Return whether a caveat is a failed check whose text contains a number that differs between result points."""
     return isinstance(reason, LimitCheck) and "{}" in reason.text
 
@@ -205,7 +205,7 @@ def _caveat_or_check_record(reason: Caveat | LimitCheck) -> dict[str, Any]:
     """Return a caveat or failed check for the page scripts: text, remedy, severity, and name of its number."""
     return {
         "text": reason.text, "remedy": reason.remedy, "severity": reason.severity,
-        "number": f"number_{reason.shown_name}" if _has_number(reason) else None,
+        "number": f"number_{reason.shown_name}" if _contains_number(reason) else None,
     }  # fmt: skip
 
 
