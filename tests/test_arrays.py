@@ -111,7 +111,7 @@ NON_BODY_ARGUMENTS = {
     and set(inspect.signature(each).parameters) & set(BODY_ARGUMENT_NAMES)
 ])  # fmt: skip
 @pytest.mark.parametrize("wrong_value", [np.zeros((24, 24)), 3, "x", None], ids=["array", "number", "text", "none"])
-def test_functions_of_a_body_reject_arguments_that_are_not_bodies(name, wrong_value):
+def test_functions_that_take_a_body_reject_other_arguments(name, wrong_value):
     function = getattr(stiction, name)
     arguments = {
         value.name: wrong_value if value.name in BODY_ARGUMENT_NAMES else NON_BODY_ARGUMENTS.get(value.name, 1.0)

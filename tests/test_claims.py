@@ -246,7 +246,7 @@ def test_number_computed_for_a_part_of_a_claim_equals_the_number_in_the_syntheti
     assert compute_part_value("8d", **TRUE_AND_FALSE_DATA["8d"][1]) > 0.25
 
 
-def test_part_of_a_claim_has_both_supporting_and_contradicting_data():
+def test_synthetic_data_cover_every_part_of_a_claim():
     assert list(TRUE_AND_FALSE_DATA) == [part.name for part in CLAIM_PARTS]
 
 

@@ -104,7 +104,7 @@ def test_core_extension_requires_no_symbols_that_the_oldest_supported_systems_la
     assert set(sys.modules["prove"].find_newer_symbol_versions(core)) <= allowed_versions
 
 
-def test_symbol_check_finds_newer_versions_in_an_extension(release_script, tmp_path):
+def test_symbol_check_lists_symbol_versions_above_the_supported_versions(release_script, tmp_path):
     extension = tmp_path / "core.so"
     extension.write_bytes(b"\0GLIBC_2.34\0GLIBCXX_3.4.30\0GLIBCXX_3.4.9\0CXXABI_1.3.14\0GLIBC_2.4\0GLIBC_2.100\0")
     assert sys.modules["prove"].find_newer_symbol_versions(extension) == [

@@ -65,7 +65,7 @@ def test_area_at_pressures_limited_to_the_hardness_is_too_small_for_yielding_con
     assert np.abs(area_ratios["pressure cap"] - 1).mean() > 0.1
 
 
-def test_yielded_area_by_the_formula_with_an_onset_of_yield_agrees_with_finite_elements(area_ratios):
+def test_area_by_the_onset_of_yield_formula_agrees_with_finite_elements(area_ratios):
     deviation = np.abs(area_ratios["from onset"] - 1)
     cap_deviation = np.abs(area_ratios["pressure cap"] - 1)
     assert deviation.mean() < MAX_MEAN_DEVIATION
@@ -74,7 +74,7 @@ def test_yielded_area_by_the_formula_with_an_onset_of_yield_agrees_with_finite_e
     assert deviation.mean() < np.abs(area_ratios["power"] - 1).mean()
 
 
-def test_yielded_area_by_the_formula_with_an_onset_of_yield_has_elastic_and_plastic_limits(script):
+def test_area_by_the_onset_of_yield_formula_has_elastic_and_plastic_limits(script):
     assert script.combine_from_onset(np.array(2.0), np.array(0.9), 1.25) == 2.0
     assert script.combine_from_onset(np.array(1.0), np.array(1e4), 1.25) == pytest.approx(1e4, rel=0.1)
 

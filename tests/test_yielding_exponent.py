@@ -66,7 +66,7 @@ def test_area_at_pressures_limited_to_the_hardness_is_too_small_for_yielding_map
     assert 0.75 < ratios.mean() < 0.85
 
 
-def test_yielded_area_by_the_formula_with_an_onset_of_yield_agrees_with_elastic_plastic_solutions(script, areas_by_map):
+def test_area_by_the_onset_of_yield_formula_agrees_with_elastic_plastic_solutions(script, areas_by_map):
     deviations = np.concatenate([case.deviations(script.combine_from_onset, 1.25) for case in areas_by_map.values()])
     assert np.abs(deviations).mean() < 0.06
     assert abs(deviations.mean()) < 0.04
@@ -84,7 +84,7 @@ def test_elastic_areas_on_the_grid_of_tamaas_agree_with_the_half_space_model(are
         np.testing.assert_allclose(np.array(rows)[:, 2], areas_by_map[name].elastic, rtol=0.07)
 
 
-def test_coarse_elastic_plastic_solution_has_more_area_than_an_elastic_one_with_limited_pressure(script):
+def test_contact_area_of_a_coarse_elastic_plastic_solution_exceeds_the_area_at_limited_pressure(script):
     case = script.RoughMap(4, (1, 1.5), 1.5, area_fractions=(0.2,), num_points=16, num_layers=6)
     areas = script.find_map_areas(case, script.run_case(case))
     assert areas.pressure_ratio[0] > 0.7

@@ -18,7 +18,7 @@ const std::vector<double> probabilities = {0.25, 0.5, 0.9};
 
 }  // namespace
 
-TEST_CASE("contact_statistics: load fractions and quantiles of three contacts") {
+TEST_CASE("contact_statistics: returns load fractions and quantiles of three contacts") {
   const std::vector<double> force = {1, 2, 5};
   const std::vector<double> area = {3, 1, 2};
   const std::vector<double> cells = {1, 4, 9};
@@ -54,7 +54,7 @@ TEST_CASE("contact_statistics: rejects arrays of different lengths, empty tables
   CHECK_THROWS_AS(compute({two, two, two, at_edge, one, one}, {0.5, 0.25}), std::invalid_argument);
 }
 
-TEST_CASE("patch_statistics: patches at the edges of lines and areas, and their areas in cells of the grid") {
+TEST_CASE("patch_statistics: counts patches at map edges, and patch areas in cells of the grid") {
   const std::vector<std::int64_t> points = {0, 5, 6};
   const std::vector<double> pressure = {1, 2, 1};
   const std::vector<double> fraction = {0.5, 1, 1};

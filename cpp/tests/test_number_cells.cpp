@@ -52,14 +52,14 @@ TEST_CASE("the end of the text ends its last cell") {
 
 TEST_CASE("a text without characters has no cells") { CHECK(stiction::convert_cells("", '\t', {}).empty()); }
 
-TEST_CASE("cells that are not numbers of a double fail") {
+TEST_CASE("cells without a number in the range of double are reported as failed") {
   std::vector<double> values(9);
   const Indices failed = stiction::convert_cells("1.2.3\t4\n1e400\t+-5\t1e\t--\t 6\t7 \t-.5\n", '\t', values);
   CHECK(failed == Indices{0, 2, 3, 4, 5, 6, 7});
   CHECK(values[8] == -0.5);
 }
 
-TEST_CASE("the number of cells must be the number of values") {
+TEST_CASE("a text with more or fewer cells than requested values is rejected") {
   std::vector<double> values(2);
   CHECK_THROWS_AS(stiction::convert_cells("1\t2\t3\n", '\t', values), std::invalid_argument);
   CHECK_THROWS_AS(stiction::convert_cells("1\n", '\t', values), std::invalid_argument);

@@ -191,7 +191,7 @@ def finished_pair_job(app, map_scans, tmp_path_factory):
     return finished_job, tomllib.loads(app.request("GET", f"/jobs/{job}/study.toml")[2].decode())
 
 
-def test_job_uses_directions_and_dwell_times_and_creep_exponent_of_the_form(finished_pair_job):
+def test_job_uses_the_directions_dwell_times_and_creep_exponent_entered_in_the_web_form(finished_pair_job):
     _, study = finished_pair_job
     assert study["contact"]["direction"] == [0, 90]
     assert study["friction"]["wait"] == ["1 min", "1 h"]
@@ -514,7 +514,7 @@ def test_values_of_a_finished_pair_job_are_not_replaced_by_an_intermediate_resul
 
 
 @pytest.mark.parametrize("failing_source", ["preview", "directory"])
-def test_unexpected_error_of_an_intermediate_result_is_logged_while_the_command_continues(
+def test_unexpected_error_in_preview_or_progress_is_logged_while_the_command_continues(
     tmp_path, monkeypatch, caplog, failing_source
 ):
     """The preview or the monitor of the progress fails, before the command ends."""

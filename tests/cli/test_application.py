@@ -230,9 +230,7 @@ with cli.exit_on_interrupt():
     ("can_start_thread", "status", "message"),
     [(True, 130, "stiction: interrupted\n"), (False, 2, "stiction: no thread can be started; the number of ")],
 )
-def test_interrupt_raised_because_no_thread_can_start_is_reported_as_a_limit_on_threads(
-    can_start_thread, status, message
-):
+def test_interrupt_signal_is_reported_as_a_thread_limit_only_if_no_thread_can_start(can_start_thread, status, message):
     """OpenBLAS raises this signal if it cannot start its threads."""
     script = INTERRUPT_SCRIPT.format(can_start_thread=can_start_thread)
     completed = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=60)

@@ -112,7 +112,7 @@ def test_at_command_uses_mu0_and_tau0_of_the_study_by_default_and_reports_unreac
     [("study", ("--load", "1 N", "--d", "1.3")), ("maps", ("--load", "1 Pa")), ("maps", ("--load", "1 Pa,1 TPa"))],
 )
 @pytest.mark.parametrize("json_options", [(), ("--json",)])
-def test_at_command_rejects_loads_that_are_all_outside_the_computed_range(
+def test_at_command_rejects_the_loads_if_all_are_outside_the_computed_range(
     results_directory, name, options, json_options
 ):
     completed = call_stiction("at", name, *options, *json_options, cwd=results_directory)
@@ -144,7 +144,7 @@ def test_at_command_without_options_uses_mu0_and_tau0_and_loads_of_the_study(res
     assert {json_point["at"]["mu0"] for json_point in record["points"]} == set(friction.mu0)
 
 
-def test_command_at_prints_friction_for_the_direction_of_motion_given_as_an_option(results_directory):
+def test_at_command_prints_friction_for_the_direction_of_motion_given_as_an_option(results_directory):
     arguments = ("at", "maps", "--load", "10 MPa", "--tau0", "0 MPa")
     record = json.loads(get_stiction_output(*arguments, "--direction", "30", "--json", cwd=results_directory))
     assert "the upper body moves at 30°" in get_stiction_output(*arguments, "--direction", "30", cwd=results_directory)

@@ -109,7 +109,7 @@ def test_calibrate_command_requires_two_surface_finishes_to_separate_mu0_from_ta
     assert "smooth ball" in single_pair.stdout
 
 
-def test_calibrate_command_ranks_further_tests_by_the_interval_of_the_wanted_pair(two_finishes_directory):
+def test_calibrate_command_ranks_proposed_tests_by_the_interval_they_leave_for_the_target_pair(two_finishes_directory):
     arguments = ["--pair", "ground", "--load", "80 MPa", "--measured", "0.25±0.01", "--target", "lapped"]
     text = check_stiction("calibrate", *arguments, cwd=two_finishes_directory).stdout
     assert "± μ0" not in text
@@ -157,7 +157,7 @@ def test_caveat_about_a_yielding_ball_states_pressures_and_the_load_above_which_
     assert check_stiction("calibrate", "forces.csv", *options, cwd=tmp_path).stderr == ""
 
 
-def test_calibrate_command_accepts_a_ball_without_tests(two_finishes_directory):
+def test_calibrate_command_accepts_ball_options_if_no_friction_test_used_a_ball(two_finishes_directory):
     ball = ("--ball", "1 mm", "--upper", "PMMA", "--lower", "glass")
     arguments = ("forces.csv", "--pair", "ground", "--pair", "lapped", *ball, "--sliding", "all")
     completed = check_stiction("calibrate", *arguments, cwd=two_finishes_directory, without_figures=True)
@@ -263,7 +263,7 @@ def test_calibrate_command_rejects_conflicting_arguments(tmp_path, arguments, ex
     assert_rejected(call_stiction("calibrate", *arguments, cwd=tmp_path), expected_words)
 
 
-def test_calibrate_command_accepts_semicolons_and_a_test_without_sliding(tmp_path):
+def test_calibrate_command_accepts_semicolons_and_a_friction_test_that_did_not_slide(tmp_path):
     text = "load (mN);coefficient;uncertainty;slid\n" + "\n".join(
         f"{load};{coefficient};{0.03 * coefficient};1" for load, coefficient, _ in create_ball_test_rows()
     )
@@ -272,7 +272,7 @@ def test_calibrate_command_accepts_semicolons_and_a_test_without_sliding(tmp_pat
     assert np.isclose(json.loads(completed.stdout)["fits"][0]["degrees_of_freedom"], 3)
 
 
-def test_calibration_record_has_no_chi_squared_if_tests_have_no_errors(tmp_path):
+def test_calibration_record_has_no_chi_squared_if_friction_tests_have_no_uncertainties(tmp_path):
     # Exact coefficients without errors would take 30 times as long as coefficients that scatter.
     scattered_rows = [
         (load, coefficient * scatter, error)

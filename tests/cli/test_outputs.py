@@ -104,7 +104,7 @@ def test_command_overwrites_its_own_output(scans_directory, arguments, names):
     assert all((output_directory / name).stat().st_ino != inode for name, inode in inodes.items())
 
 
-def test_characterise_command_does_not_overwrite_one_of_several_repeated_scans(scans_directory):
+def test_characterise_command_does_not_overwrite_any_of_the_repeated_scans(scans_directory):
     content = (scans_directory / "upper.csv").read_bytes()
     completed = call_stiction(*CHARACTERISE_COMMAND, "--repeated", "--output", "upper.csv", cwd=scans_directory)
     assert_rejected(completed, "upper.csv: already exists")
@@ -156,7 +156,7 @@ def test_pair_command_prints_the_estimated_time_only_for_long_computations(scans
     ]  # fmt: skip
 
 
-def test_table_command_replaces_a_table_written_meanwhile_by_an_equal_command(tmp_path, monkeypatch):
+def test_table_command_overwrites_a_table_that_an_identical_command_wrote_during_the_run(tmp_path, monkeypatch):
     def write_and_export(dataset, path, **options):
         export(dataset, path)  # a table that the other command writes
         export(dataset, path, **options)

@@ -218,7 +218,7 @@ def test_study_rejects_free_tilt_with_periodic_boundary(scans_directory):
         study.with_changes({"contact.boundary": "periodic"})
 
 
-def test_study_of_profiles_contains_file_checksums_and_positions_up_to_the_travel(scans_directory):
+def test_study_of_profiles_contains_file_checksums_and_positions_within_the_travel_distance(scans_directory):
     study = parse_study(
         scans_directory, *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--travel", "2 um", "--offsets", 1
     )
@@ -233,7 +233,7 @@ def test_study_of_profiles_contains_file_checksums_and_positions_up_to_the_trave
     assert 1.5 < max(offsets) <= 2
 
 
-def test_options_for_young_modulus_and_poisson_ratio_set_effective_modulus_and_compliance(scans_directory):
+def test_young_modulus_and_poisson_ratio_options_set_effective_modulus_and_compliance_fraction(scans_directory):
     arguments = ["--young", "20 GPa,30 GPa", "--poisson", "0.3,0.2", "--mu0", "0.3", "--mechanics", "half-space"]
     contact = parse_study(scans_directory, *PROFILE_FILES, *arguments, *LOAD_OPTION).contact
     modulus = float(effective_modulus(20.0, 0.3, 30.0, 0.2))
@@ -898,7 +898,9 @@ def test_run_command_rejects_a_changed_scan_file(scans_directory):
 
 
 @pytest.mark.usefixtures("disable_figures", "no_reports")
-def test_stylus_profile_paired_with_itself_at_one_position_is_shifted_by_the_travel(find_measured_file, tmp_path):
+def test_stylus_profile_paired_with_itself_at_one_position_is_shifted_by_the_travel_distance(
+    find_measured_file, tmp_path
+):
     file = find_measured_file("dektak-1.csv")
     shift_options = ["--travel", "200 um", "--offsets", "1", "--load", "10 mN", "--json"]
     check_stiction("pair", file, file, *MATERIAL_OPTIONS, *shift_options, cwd=tmp_path)

@@ -245,7 +245,7 @@ def test_interval_interpolated_between_height_factors_contains_the_direct_soluti
     assert width[1] > 1.01 * (width[0] + width[2]) / 2
 
 
-def test_missing_height_factors_are_only_those_that_interpolation_requires():
+def test_height_factors_are_missing_only_if_interpolation_requires_them():
     assert find_missing_factors(np.array([0.5, 1.0]), np.array([0.5, 1.0])).size == 0
     assert find_missing_factors(np.array([1.2]), np.array([1.0, 1.41421])).size == 0
     assert find_missing_factors(np.array([1.2]), np.array([1.0, 2.0])).tolist() == [1.2]
@@ -379,7 +379,7 @@ def test_results_at_stored_height_factors_are_reused_for_new_mu0_but_not_for_new
     )
 
 
-def test_interval_for_uncertain_hardness_at_a_height_factor_equals_that_for_scaled_heights(bodies):
+def test_interval_for_uncertain_hardness_at_a_height_factor_equals_the_interval_for_scaled_heights(bodies):
     kwargs = PAIR_OPTIONS | {"hardness": "1..3 GPa"}
     table = pair(*bodies, **kwargs).at(height_scale=2, compute=True).isel(height_scale=0)
     scaled_result = pair(*scale_heights(bodies, 2), **kwargs)
@@ -391,7 +391,7 @@ def test_interval_for_uncertain_hardness_at_a_height_factor_equals_that_for_scal
     )
 
 
-def test_stored_study_without_the_key_of_the_height_factor_can_be_opened(bodies, tmp_path):
+def test_stored_study_without_a_height_factor_can_be_opened(bodies, tmp_path):
     pair_result = pair(*bodies, directory=tmp_path, **PAIR_OPTIONS | HARDNESS_OPTION)
     text = (tmp_path / STUDY_FILE).read_text()
     (tmp_path / STUDY_FILE).write_text(re.sub(r",? *height_factor = [0-9.]+", "", text))

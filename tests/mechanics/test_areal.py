@@ -185,7 +185,7 @@ class TestSurfacesAgainstExactSolutions:
         assert table.normal[0].tolist() == [0, 0, 1]
 
     @pytest.mark.parametrize("angle", [0.0, 90.0, 37.0])
-    def test_friction_on_a_slope_equals_tangent_of_slope_angle_plus_friction_angle(self, angle):
+    def test_friction_on_a_slope_equals_tangent_of_the_sum_of_slope_angle_and_friction_angle(self, angle):
         slope, direction = 0.4, np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
 
         def ramp_height(x, y):
@@ -221,7 +221,7 @@ class TestSurfacesAgainstExactSolutions:
         # The lateral load is positive to the left of the motion. Left of +y is -x, so the sign changes.
         assert_close(curve.lateral_load(mu0=0.3), -force * math.sin(theta), ROUND_OFF)
 
-    def test_maps_of_equal_rows_have_the_contacts_of_the_profile_in_each_row(self):
+    def test_maps_with_identical_rows_have_the_contacts_of_the_row_profiles(self):
         upper, lower = (
             self_affine(
                 5, hurst_exponent=0.8, rms=0.02, points=200, spacing=0.05, shortest_wavelength=0.5, periodic=True,
@@ -485,7 +485,7 @@ class TestApproachAtLoad:
         computed_approach = approach_at_load(flat, ball, 4 / 3 * 10.0 * 0.01**1.5, mu0=0.3)
         assert float(computed_approach) == pytest.approx(0.01 - contact_gap, rel=SPLINE_TOLERANCE)
 
-    def test_contact_candidates_can_be_pressed_repeatedly_at_approaches_up_to_the_maximum(self):
+    def test_candidates_reused_up_to_the_maximum_approach_give_the_load_curves_of_the_surfaces(self):
         upper, lower = create_rough_surfaces()
         contact_candidates = candidates(upper, lower, deepest=0.2)
         assert contact_candidates.curvature == "signed"

@@ -78,7 +78,7 @@ def test_periodic_asperity_model_is_invariant_under_shifts():
         )
 
 
-def test_asperity_model_agrees_better_with_boundary_elements_if_asperities_interact():
+def test_asperity_interaction_improves_agreement_of_the_asperity_model_with_boundary_elements():
     """Compare both asperity models with boundary elements for H = 0.75, bandwidth 32 and p̄ = 0.02 E* h'rms.
 
     The profile has half as many points as in the published table. Another law or detection, and lost or doubly counted

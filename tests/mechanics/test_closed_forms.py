@@ -132,7 +132,7 @@ class TestWeierstrassMandelbrotMoments:
             moment_sums / count, [exact_moments.height, exact_moments.slope, exact_moments.curvature], rtol=0.05
         )
 
-    def test_exact_spectral_moments_depend_on_dimension_and_convention_and_band_limit(self):
+    def test_exact_spectral_moments_depend_on_fractal_dimension_convention_and_shortest_wavelength(self):
         paper_moments = weierstrass_mandelbrot_moments(1.6)
         classical_moments = weierstrass_mandelbrot_moments(1.2, convention="classical")
         assert classical_moments.height == pytest.approx(paper_moments.height, rel=REORDERING_TOLERANCE)
@@ -233,6 +233,6 @@ def test_closed_form_error_names_the_argument_that_is_not_positive():
         hertz_sphere(np.array([[0.1, -0.5]]), 1.0, 10.0)
 
 
-def test_small_slope_friction_rejects_an_array_as_order():
+def test_small_slope_friction_rejects_an_array_for_the_argument_order():
     with pytest.raises(ValueError, match="order must be 1 or 2"):
         stiction.gentle_friction(0.4, rms_gradient=0.04, order=np.array([1, 2]))

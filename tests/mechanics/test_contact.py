@@ -38,7 +38,7 @@ SCALING_TOLERANCE = 1e-8
 ROUND_OFF = 1e-12
 
 
-def stack_sums(curve):
+def stack_contact_sums(curve):
     return np.array([getattr(curve, name) for name in CONTACT_SUM_NAMES], dtype=float)
 
 
@@ -70,7 +70,7 @@ class TestProfilesAgainstReference:
         for shear, sigma in (("+x", 1), ("-x", -1)):
             curve = press(upper, lower, approaches, curvature=curvature, shear=shear, detection=detection)
             expected = np.transpose([list(pressing.sum_contacts(row, sigma).values()) for row in rows])
-            assert_close(stack_sums(curve), expected, REFERENCE_TOLERANCES[detection])
+            assert_close(stack_contact_sums(curve), expected, REFERENCE_TOLERANCES[detection])
 
     def test_contacts_of_profiles_agree_with_the_reference_implementation(self, create_rough_profiles):
         upper, lower = create_rough_profiles(1.4)
@@ -85,7 +85,11 @@ class TestProfilesAgainstReference:
         upper, lower = create_rough_profiles(1.2)
         raised_profile = Profile(upper.heights + 1024.0, spacing=upper.spacing)
         # The addition of 1024 rounds the heights to 2^-43 µm, 1e-12 of the amplitude. Curvatures are affected most.
-        assert_close(stack_sums(press(raised_profile, lower, [0.01])), stack_sums(press(upper, lower, [0.01])), 1e-5)
+        assert_close(
+            stack_contact_sums(press(raised_profile, lower, [0.01])),
+            stack_contact_sums(press(upper, lower, [0.01])),
+            1e-5,
+        )
 
 
 class TestProfilesAgainstExactSolutions:
@@ -298,10 +302,12 @@ class TestProfileScalingAndSymmetry:
         self, law, pair, approach, choices, transform, tolerance
     ):
         assume(is_insensitive_to_round_off(*pair, approach, choices))
-        sums_of_transformed_pair = stack_sums(
+        sums_of_transformed_pair = stack_contact_sums(
             press(*transform(pair), [approach], law=law, **reverse_shear_options(choices))
         )
-        assert_close(sums_of_transformed_pair, stack_sums(press(*pair, [approach], law=law, **choices)), tolerance)
+        assert_close(
+            sums_of_transformed_pair, stack_contact_sums(press(*pair, [approach], law=law, **choices)), tolerance
+        )
 
     @GIVEN_RANDOM_PAIRS
     @HYPOTHESIS_SETTINGS
@@ -312,8 +318,8 @@ class TestProfileScalingAndSymmetry:
         scaled_pair = [Profile(size * p.heights, spacing=size * p.spacing) for p in pair]
         factor = size if isinstance(law, HertzCylinder) else size**2
         assert_close(
-            stack_sums(press(*scaled_pair, [size * approach], law=law, **choices)),
-            np.array([1, *[factor] * 7])[:, None] * stack_sums(press(*pair, [approach], law=law, **choices)),
+            stack_contact_sums(press(*scaled_pair, [size * approach], law=law, **choices)),
+            np.array([1, *[factor] * 7])[:, None] * stack_contact_sums(press(*pair, [approach], law=law, **choices)),
             SCALING_TOLERANCE,
         )
 
@@ -387,7 +393,9 @@ class TestGapMinimumDetection:
                         ).with_amplitude(0.1)
                         for side in ("upper", "lower")
                     )
-                    result[points].append(stack_sums(press(upper, lower, [0.01, 0.02, 0.04], detection="gap-minimum")))
+                    result[points].append(
+                        stack_contact_sums(press(upper, lower, [0.01, 0.02, 0.04], detection="gap-minimum"))
+                    )
             result[points] = np.array(result[points])
         return result
 
@@ -409,7 +417,7 @@ class TestGapMinimumDetection:
         convergence_order = -np.polyfit(np.log(coarser_curve), np.log(errors), 1)[0]
         assert 1.7 < convergence_order < 2.3
 
-    def test_both_contact_detections_give_equal_contact_areas_on_fine_grids(self):
+    def test_contact_areas_by_both_detection_methods_agree_on_fine_grids(self):
         differences = []
         for points, approach in ((150_000, 0.02), (600_000, 0.005), (2_400_000, 0.00125)):
             areas = []

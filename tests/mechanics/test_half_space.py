@@ -124,7 +124,7 @@ def test_missing_points_have_neither_pressure_nor_gap(shape, boundary, hardness,
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize("flat", [False, True])
 @pytest.mark.parametrize("part", [0.05, 0.95])
-def test_pressures_limited_by_bounds_agree_with_a_dense_matrix_calculation(shape, boundary, flat, part):
+def test_pressures_with_a_bound_at_each_point_agree_with_a_dense_matrix_calculation(shape, boundary, flat, part):
     """Use bounds that vary between points, like a hardness on a rough gap or limits of a traction on a flat."""
     random = np.random.default_rng(5)
     periodic, spacing = boundary == "periodic", tuple(1 / n for n in shape)
@@ -147,7 +147,7 @@ def test_pressures_limited_by_bounds_agree_with_a_dense_matrix_calculation(shape
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_half_space_solver_with_pressure_bounds_converges_for_flats_up_to_the_largest_load(boundary):
+def test_half_space_solver_converges_for_bounded_flats_up_to_the_largest_permitted_load(boundary):
     """Solve a flat with equal bounds up to the largest load that the bounds permit.
 
     With a periodic boundary all points move equally. With a free boundary the traction is that of a punch.
@@ -556,7 +556,7 @@ def test_small_slope_friction_of_second_order_equals_a_sum_over_random_slopes(ru
         assert gentle_friction(0.4, order=2, **keywords) == pytest.approx(expected, rel=QUADRATURE_TOLERANCE)
 
 
-def test_small_slope_friction_of_both_orders_agrees_for_tiny_slopes_and_for_grooves():
+def test_first_and_second_order_small_slope_friction_agree_for_tiny_slopes_and_for_grooves():
     for rule in ("opposing", "all"):
         for arguments in ({"rms_gradient": 1e-5}, {"rms_gradient": 0.5, "rms_slope": 0.5}, {"rms_gradient": 2e-9}):
             first_order, second_order = (
@@ -599,7 +599,7 @@ def test_half_space_friction_at_steep_slopes_agrees_with_the_second_order_formul
     assert np.mean(values) == pytest.approx(expected, rel=FRICTION_SCATTER_TOLERANCE)
 
 
-def test_mean_slope_of_contacts_is_independent_of_the_compliance_fraction_of_the_bodies():
+def test_mean_contact_slope_is_independent_of_the_compliance_fraction():
     slope, ratio = 0.9, 3.0
     mean_slopes = []
     for compliance_fraction in (0.0, 0.5, 1.0):
@@ -737,9 +737,7 @@ def test_ball_on_a_level_flat_has_no_opposing_contact_in_any_direction(load):
 
 
 @pytest.mark.parametrize(("num_dims", "directions"), [(1, ["+x", "-x"]), (2, [0.0, 30.0, 180.0]), (2, [90.0])])
-def test_contact_sums_for_several_directions_equal_those_of_a_curve_for_each_direction_and_sliding_rule(
-    num_dims, directions
-):
+def test_contact_sums_for_all_directions_and_sliding_rules_equal_sums_of_single_load_curves(num_dims, directions):
     rng = np.random.default_rng(5)
     body_class = Profile if num_dims == 1 else Surface
     upper, lower = (body_class(rng.normal(0, 0.01, (48,) * num_dims), spacing=0.1) for _ in range(2))

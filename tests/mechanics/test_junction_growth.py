@@ -119,7 +119,7 @@ def random_slip_line_parameters(count=300):
         yield hardness, random.uniform(0, 0.35), random.uniform(0, 0.15) * hardness, ratio
 
 
-def test_hardness_under_shear_by_slip_lines_equals_the_root_of_the_slip_line_equation():
+def test_slip_line_hardness_under_shear_equals_the_root_of_the_slip_line_equation():
     num_stronger = 0
     for hardness, mu0, tau0, ratio in random_slip_line_parameters():
         expected = solve_slip_lines(hardness, mu0, tau0, ratio)
@@ -147,7 +147,7 @@ def test_slip_line_theory_gives_friction_and_growth_of_fully_plastic_contacts(
 
 
 @pytest.mark.parametrize("ratio", [5.14, HARDNESS_TO_SHEAR_STRENGTH, 6.05])
-def test_yield_pressure_by_slip_lines_has_exact_limits_at_zero_and_full_traction(ratio):
+def test_slip_line_yield_pressure_has_exact_limits_at_zero_and_full_traction(ratio):
     without_shear = FrictionLaw(0.0, 0.0, ratio, uses_slip_lines=True)
     assert float(without_shear.yield_pressure(1.27)) == pytest.approx(1.27, rel=1e-15)
     strength = 1.27 / ratio
@@ -211,7 +211,7 @@ def test_friction_in_bulk_shear_agrees_with_a_mean_over_quantiles_of_the_pressur
             assert onset.friction_fraction == 1
 
 
-def test_table_of_limited_pressures_is_interpolated_as_by_scipy():
+def test_interpolation_of_hardness_limited_pressures_equals_scipy_interpolation():
     table = _tabulate_limited_pressure_ratios()
     last_row, last_column = (size - 1 for size in table.shape)
     rows, columns = np.random.default_rng(3).uniform(0, [[last_row], [last_column]], (2, 1000))

@@ -271,7 +271,7 @@ def test_sliding_load_equals_sum_of_friction_at_all_contacts(half_space_curve):
 
 
 @pytest.mark.parametrize("slopes", [(0.2,), (0.3, 0.4)])
-def test_traction_at_sliding_contains_tau0_times_the_inclined_area(slopes):
+def test_traction_at_sliding_includes_tau0_times_the_area_along_the_slope(slopes):
     """Press two inclined planes, equal within 1e-9 µm, whose interface has one slope and is completely in contact."""
     grid = np.indices((24,) * len(slopes)) * 0.1
     heights = sum(slope * coordinate for slope, coordinate in zip(slopes, grid, strict=True))

@@ -151,7 +151,7 @@ def test_range_for_finer_scans_allows_for_a_larger_contact_area_if_contacts_are_
     assert area[0] < float(result.bracket_area_fraction[1, 0].sel(end="upper"))
 
 
-def test_yielding_wavelengths_are_tabulated_for_several_hardnesses_if_none_is_given(pair_and_resolution_result):
+def test_yielding_wavelengths_are_tabulated_for_several_hardnesses_if_hardness_is_none(pair_and_resolution_result):
     upper, lower, load, resolution_result = pair_and_resolution_result
     result = resolution(
         upper, lower, [load], hardness=None, cut_offs=[0.32], boundary="periodic", effective_modulus=115.0

@@ -63,7 +63,7 @@ def test_spectral_estimate_of_the_effect_of_scan_resolution_agrees_with_half_spa
         assert estimated_friction == pytest.approx(solved_friction, rel=tolerance)
 
 
-def test_spectral_estimate_for_a_surface_on_a_flat_uses_only_slopes_of_the_surface():
+def test_spectral_estimate_for_a_surface_on_a_flat_assumes_zero_slope_of_the_flat():
     upper = measure_roughness_of_bodies(create_rough_surfaces(64))[0]
     result = spectral_resolution(upper, None, **PAIR_OPTIONS)
     assert result.rms_gradient.values == pytest.approx(upper.gradient_at(result.wavelength))

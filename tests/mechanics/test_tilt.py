@@ -128,7 +128,7 @@ def find_rigid_contact(gap):
 
 @pytest.mark.parametrize("is_areal", [True, False])
 @pytest.mark.parametrize("seed", [0, 1, 2, 3])
-def test_free_tilt_at_vanishing_load_touches_at_the_convex_hull_facet_below_the_centre(seed, is_areal):
+def test_freely_tilting_bodies_touch_at_the_hull_facet_below_the_centre_at_vanishing_load(seed, is_areal):
     roughness_options = {"hurst_exponent": 0.8, "rms": 0.02, "shape": (48, 48), "spacing": 0.1}
     upper, lower = (self_affine_surface(seed, side=side, **roughness_options) for side in ("upper", "lower"))
     upper, lower = (upper, lower) if is_areal else (upper.row(0), lower.row(0))

@@ -263,7 +263,7 @@ def test_area_interval_of_a_yielding_pair_includes_the_result_for_tip_corrected_
     assert tip_caveat.severity == "caution"
 
 
-def test_recommended_measurement_is_unchanged_if_the_interval_without_spikes_is_wide(spiked_result):
+def test_recommendation_of_a_scan_without_spikes_ignores_a_wide_interval_but_no_other_fault(spiked_result):
     point = replace(spiked_result.summary().first, caveats=())
     expected_text = most_useful_measurement_text(point)
     assert expected_text.startswith("With a scan without spikes")
@@ -339,7 +339,7 @@ def test_interval_of_profiles_with_spikes_includes_the_result_without_spikes(mec
 
 
 @pytest.mark.parametrize("seed", [4, 6])
-def test_assessment_of_a_pair_with_spikes_includes_the_faults_of_the_pair_without_spikes(seed):
+def test_assessment_of_a_pair_with_spikes_includes_the_faults_of_its_result_without_spikes(seed):
     surfaces = rough_maps(seed, points=40, rms=0.005)
     options = PAIR_OPTIONS | {"hardness": "1 GPa", "load": "10 MPa", "cutoff": "none", "junction_growth": 0}
     clean_result, result = pair(*surfaces, **options), pair(*map(add_spikes, surfaces), **options)

@@ -196,7 +196,7 @@ def test_friction_map_of_a_half_space_study_equals_the_ratio_of_mean_loads():
     )
 
 
-def test_stiffness_map_of_a_half_space_study_equals_the_derivative_of_the_load_by_approach():
+def test_stiffness_map_of_a_half_space_study_equals_the_slope_of_the_load_approach_curve():
     dataset = run(HALF_SPACE_STUDY.with_changes({"contact.sliding": "all", "contact.direction": 90})).dataset
     loads = HALF_SPACE_STUDY.contact.loading_steps()
     stiffness = stiffness_map(dataset, [loads[1]], mu0=[0.0], tau0=[0.0])["normal_stiffness"].squeeze()

@@ -155,7 +155,9 @@ def test_run_removes_stored_load_steps_of_a_pair_whose_block_is_complete(study, 
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
-def test_load_steps_are_computed_again_if_stored_ones_are_damaged_or_of_another_study(study, tmp_path, monkeypatch):
+def test_load_steps_are_computed_again_if_stored_steps_are_damaged_or_belong_to_another_study(
+    study, tmp_path, monkeypatch
+):
     expected = compute_member_arrays(study, 0)
     interrupted_method = InterruptedMethod(monkeypatch, ContactSolver, "contacts_at")
     compute_member_arrays(study, 0, MembersInProgress(study, tmp_path, estimate_iterations).add(0))
@@ -180,7 +182,9 @@ def test_load_steps_are_computed_again_if_stored_ones_are_damaged_or_of_another_
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
-def test_small_maps_solved_for_groups_of_loads_have_the_results_of_single_solutions(study, tmp_path, monkeypatch):
+def test_small_maps_solved_for_several_loads_together_have_the_results_of_separate_solutions(
+    study, tmp_path, monkeypatch
+):
     expected = compute_member_arrays(study, 0)
     interrupted_method = InterruptedMethod(monkeypatch, ContactSolver, "contacts_at")
     for loads_per_step, num_steps in ((3, 2), (4, 1)):

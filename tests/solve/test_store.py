@@ -135,7 +135,7 @@ def test_storing_a_result_preserves_its_values_bit_for_bit(tmp_path, monkeypatch
         assert result[name].values.tobytes() == sums[name].tobytes(), name
 
 
-def test_storing_a_result_preserves_values_at_loads_where_the_solver_failed_bit_for_bit():
+def test_storing_a_result_preserves_all_bits_of_values_at_loads_without_solution():
     text = (Path(__file__).parents[1] / "study/stored_studies/half-space_of_generated_lines.toml").read_text("utf-8")
     study = parse_study(text, "half-space").with_changes({"ensemble.repetitions": 1})
     arrays = {}
@@ -334,7 +334,7 @@ def test_stored_result_is_not_continued_if_its_load_steps_differ_from_those_of_t
         run(with_repetitions(23), store=directory_copy)
 
 
-def test_study_file_written_by_hand_is_not_overwritten_even_without_blocks(tmp_path, uninterrupted_dataset):
+def test_study_file_written_by_hand_is_not_overwritten_even_if_no_blocks_are_stored(tmp_path, uninterrupted_dataset):
     (tmp_path / STUDY_FILE).write_text("# by hand\n" + TINY_STUDY.to_toml())
     with pytest.raises(StoreError, match="contains another study"):
         run(TINY_STUDY.with_changes({"ensemble.seed": 1}), store=tmp_path)
@@ -363,7 +363,7 @@ def edit_study_file(file, kind):
 
 
 @pytest.mark.parametrize("kind", ["number", "comment", "link", "first line only"])
-def test_edited_study_file_without_blocks_is_used_but_never_replaced(tmp_path, kind):
+def test_edited_study_file_in_a_directory_without_blocks_is_solved_but_not_overwritten(tmp_path, kind):
     store.create_or_open_result(tmp_path, TINY_STUDY)
     edit_study_file(tmp_path / STUDY_FILE, kind)
     text = (tmp_path / STUDY_FILE).read_text()
@@ -769,7 +769,7 @@ def test_run_of_another_study_is_rejected_while_a_run_uses_the_directory(tmp_pat
     assert_no_partial_files(tmp_path)
 
 
-def test_new_directory_is_used_by_only_one_of_two_studies_started_together(tmp_path):
+def test_new_directory_accepts_only_one_of_two_studies_started_at_the_same_time(tmp_path):
     for index in range(10):
         studies = [with_repetitions(4).with_changes({"ensemble.seed": seed}) for seed in (1, 2)]
         barrier = threading.Barrier(2)
@@ -973,7 +973,7 @@ def test_reading_a_result_without_finished_pairs_raises_store_error(tmp_path):
 
 @pytest.mark.parametrize("newline", ["\n", "\r\n"], ids=["LF", "CRLF"])
 @pytest.mark.parametrize("has_checksum", [False, True])
-def test_result_can_be_extended_if_its_study_file_lacks_a_checksum_or_has_other_line_ends(
+def test_result_can_be_extended_if_its_study_file_lacks_a_checksum_or_has_other_line_endings(
     tmp_path, newline, has_checksum
 ):
     run(with_repetitions(1), store=tmp_path)

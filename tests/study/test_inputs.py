@@ -125,7 +125,7 @@ def test_study_of_a_pair_of_materials_contains_the_ranges_of_both_materials():
     assert "poisson_lower" not in inputs.uncertain  # for brass, the source states one value without a range
 
 
-def test_material_name_of_one_body_and_modulus_of_the_other_are_separate_uncertain_inputs():
+def test_moduli_are_separate_uncertain_inputs_if_only_one_body_is_given_by_a_material_name():
     study = compute_pair(upper="steel", young="3 MPa ± 5 %", poisson="0.5", effective_modulus=None).study
     inputs = Inputs.from_study(study)
     assert set(inputs.uncertain) >= {"young_upper", "young_lower"}
@@ -133,7 +133,7 @@ def test_material_name_of_one_body_and_modulus_of_the_other_are_separate_uncerta
     assert inputs.entries["young_upper"].text == "209 GPa (207..212 GPa)"
 
 
-def test_effective_modulus_relative_to_its_central_value_is_computed_from_samples_of_both_bodies():
+def test_relative_effective_modulus_is_computed_from_young_modulus_samples_of_both_bodies():
     inputs = Inputs.from_study(STUDY)
     samples = {name: inputs.quantile(name, [0.025, 0.975]) for name in ("young_upper", "young_lower")}
     lower, upper = inputs.relative_modulus(samples)
@@ -144,7 +144,7 @@ def test_effective_modulus_relative_to_its_central_value_is_computed_from_sample
     assert not {"young_upper", "effective_modulus"} & set(exact_inputs.uncertain)
 
 
-def test_number_that_replaces_an_input_has_no_uncertainty_unless_it_equals_the_study_value():
+def test_replaced_input_has_no_uncertainty_unless_the_new_value_equals_the_study_value():
     inputs = Inputs.from_study(STUDY.with_changes({"friction.mu0": "0.2 ± 0.02", "friction.tau0": "50 MPa ± 20 %"}))
     assert inputs.replaced(mu0=0.2, hardness=0.625).uncertain == inputs.uncertain
     changed_inputs = inputs.replaced(mu0=0.3, hardness=0.5)

@@ -86,7 +86,7 @@ class TestFractalProfile:
             0, abs=1e-13
         )
 
-    def test_classical_fractal_dimension_d_equals_1_plus_d_over_2_in_the_convention_of_the_paper(self):
+    def test_classical_convention_at_dimension_d_equals_paper_convention_at_1_plus_half_d(self):
         phases = random_phases(4)
         for dimension in (1.0, 1.3, 1.9):
             classical_profile = weierstrass_mandelbrot(

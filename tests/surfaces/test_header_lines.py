@@ -60,9 +60,7 @@ def test_header_line_that_can_only_mean_the_spacing_is_used_without_a_caveat(rea
         "Sample spacing 3 mm",
     ],
 )
-def test_length_in_the_header_that_may_be_that_of_the_specimen_adds_a_caveat_unless_the_spacing_is_given(
-    read_text, line
-):
+def test_header_length_that_may_be_the_specimen_length_adds_a_caveat_unless_the_spacing_is_given(read_text, line):
     reading = read_text(f"{line}\nUnit: um\n{PROFILE_TEXT}")
     assert read_caveat_names(reading) == ["spacing"]
     assert repr(line) in reading.caveats[0].text
@@ -406,7 +404,7 @@ def test_header_unit_that_contradicts_the_unit_of_a_column_has_a_caveat(read_tex
 
 
 @pytest.mark.parametrize("line", ["unit: 0.1 um", "Z unit: 10 um", "Units: x 10 um", "z in 0.1 um"])
-def test_header_unit_with_a_factor_above_columns_with_units_has_a_caveat(read_text, line):
+def test_header_unit_with_a_factor_has_a_caveat_if_the_columns_have_units(read_text, line):
     reading = read_text(f"{line}\nx (mm);z (um)\n{ROWS}")
     assert (reading.unit, read_caveat_names(reading)) == ("um", ["scale"])
 

@@ -59,7 +59,7 @@ def test_map_is_sampled_along_any_direction_without_missing_points():
 
 
 @pytest.mark.parametrize(("angle", "slope"), [(45, 0.3), (135, -0.1), (225, -0.3), (0, 0.2 * math.sqrt(2))])
-def test_map_shorter_than_the_sampling_interval_is_sampled_along_the_given_direction(angle, slope):
+def test_sampling_interval_is_reduced_to_the_size_of_a_small_map(angle, slope):
     y, x = np.mgrid[:40, :80] * 10.0
     roughness = measure_joint_roughness(Surface(0.2 * x + 0.1 * y, spacing=10.0), angle)
     assert roughness.z2 == pytest.approx(abs(slope) / math.sqrt(2))

@@ -161,7 +161,7 @@ def test_lines_along_straight_grooves_have_no_hurst_exponent():
     assert np.isnan(roughness_y.misfit)
 
 
-def test_misfit_is_near_1_for_a_power_law_spectrum_and_larger_for_a_spectrum_with_a_bend():
+def test_power_law_misfit_is_near_1_for_a_power_law_spectrum_and_larger_for_a_bent_spectrum():
     straight_grooves = Surface(
         [
             self_affine(2, hurst_exponent=0.7, rms=0.1, points=512, spacing=1.0, periodic=True, amplitudes="fixed",

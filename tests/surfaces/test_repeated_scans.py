@@ -156,7 +156,7 @@ def test_comparison_of_repeated_scans_excludes_outliers_from_noise_but_not_from_
     )
 
 
-def test_comparison_of_repeated_scans_rejects_invalid_outliers():
+def test_comparison_of_repeated_scans_rejects_invalid_outlier_masks():
     heights = self_affine(1, hurst_exponent=0.8, rms=0.1, points=200, spacing=0.1).heights
     profiles = [Profile(heights, spacing=0.1), Profile(1.1 * heights[:190], spacing=0.1)]
     masks = [np.zeros(200, bool), np.zeros(190, bool)]

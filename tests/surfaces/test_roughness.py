@@ -33,9 +33,7 @@ class TestRoughnessParameters:
         assert result.Pku == pytest.approx(1.5, rel=ROUND_OFF)
 
     @pytest.mark.parametrize(("derivative", "order", "factor"), [("neighbours", 2, 24), ("seven-point", 6, 140)])
-    def test_error_of_the_computed_slope_of_a_sinusoid_equals_the_error_of_the_difference_formula(
-        self, derivative, order, factor
-    ):
+    def test_numerical_slope_of_a_sinusoid_has_the_error_of_its_difference_formula(self, derivative, order, factor):
         exact_slope = 2 * np.pi / WAVELENGTH * AMPLITUDE / np.sqrt(2)
         for n in (16, 32):
             # Use a long sinusoid, because six of its points have no seven-point slope.

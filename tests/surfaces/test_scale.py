@@ -90,7 +90,7 @@ def test_scale_dependent_roughness_is_independent_of_tilt_and_units():
 
 @pytest.mark.parametrize("hurst", [0.3, 0.8])
 @pytest.mark.parametrize("is_areal", [True, False])
-def test_extrapolation_of_a_coarse_scan_agrees_with_a_fine_scan(hurst, is_areal):
+def test_slope_extrapolated_from_a_coarse_scan_agrees_with_the_slope_of_a_fine_scan(hurst, is_areal):
     """Compare the extrapolation from a coarse scan with a fine scan."""
     if is_areal:
         roughness_options = {"hurst_exponent": hurst, "rms": 0.1, "shape": (512, 512), "spacing": 0.01}
@@ -121,7 +121,7 @@ def test_extrapolation_of_a_coarse_scan_agrees_with_a_fine_scan(hurst, is_areal)
     assert coarse_roughness.wavelength_of(1e-9) == pytest.approx(coarse_roughness.wavelength[0], rel=1e-6)
 
 
-def test_extrapolation_is_continuous_at_a_hurst_exponent_of_1():
+def test_extrapolated_slope_is_continuous_at_a_hurst_exponent_of_1():
     estimate = replace(estimate_hurst_exponent(rough_profile(points=4096)), value=1.0)
     roughness = scale_dependent_roughness(rough_profile(points=4096))
     close_estimate = replace(estimate, value=1 + 1e-9)
@@ -357,7 +357,7 @@ class TestNoiseOfAnisotropicMap:
         )
         assert filtered_slope == pytest.approx(clean_slope, rel=0.04)
 
-    def test_noise_fraction_of_the_slope_includes_noise_across_grooves_that_roughness_hides(self):
+    def test_noise_fraction_of_the_slope_includes_noise_that_is_hidden_across_the_grooves(self):
         rng = np.random.default_rng(4)
         heights = filtered_noise(rng, (192, 192), 0.8, longest_wavelength=60, stretch=30.0)
         noise = 0.03 * rng.normal(size=heights.shape)

@@ -232,7 +232,7 @@ def test_outlier_of_a_few_rounding_steps_in_a_flat_profile_is_not_a_spike():
         assert defects.num_spikes == num_spikes
 
 
-def test_defects_of_a_body_are_cached_separately_for_periodic_treatment():
+def test_scan_defects_are_cached_separately_for_periodic_and_nonperiodic_evaluation():
     profile = Profile(filtered_noise(np.random.default_rng(1), (512,), 0.8), spacing=0.1)
     options = {"tip_radius": 2.0, "textured": False}
     defects, periodic_defects = (
@@ -241,7 +241,7 @@ def test_defects_of_a_body_are_cached_separately_for_periodic_treatment():
     assert (defects.periodic, periodic_defects.periodic) == (False, True)
 
 
-def test_measured_pair_does_not_filter_scans_because_of_spikes(tmp_path):
+def test_spikes_cause_no_filtering_of_a_measured_pair(tmp_path):
     paths = []
     for side, surface in zip(("upper", "lower"), rough_maps(points=128), strict=True):
         paths.append(str(tmp_path / f"{side}.npy"))
@@ -266,7 +266,7 @@ def test_extrapolated_roughness_of_a_gap_excludes_spikes():
     assert spiky_roughness.estimate.value == pytest.approx(clean_roughness.estimate.value, abs=0.05)
 
 
-def test_roughness_drift_of_a_profile_is_limited_if_its_roughness_jumps():
+def test_estimated_roughness_drift_is_limited_if_the_roughness_changes_abruptly():
     """Check the upper limit of the drift, because a linear fit overestimates an abrupt change of the roughness."""
     heights = rough_maps(points=96)[0].heights.copy()
     heights[:, 48:] *= 0.02

@@ -132,7 +132,7 @@ def test_areal_spectrum_equals_its_definition():
                 assert spectrum.density[j, i] == pytest.approx(expected, rel=1e-9, abs=1e-15)
 
 
-def test_spectral_moments_of_a_surface_along_a_direction_are_those_of_its_profiles_in_that_direction():
+def test_spectral_moments_of_a_surface_along_a_direction_equal_moments_of_its_profiles():
     surface = self_affine_map(2, 0.7)
     spectrum = surface_spectrum(surface, periodic=True)
     assert spectrum.moments(37).height == pytest.approx(surface.heights.var(), rel=AREAL_ROUND_OFF)

@@ -520,7 +520,7 @@ def test_friction_range_for_finer_scans_is_omitted_if_the_result_has_a_fault():
     assert not any("finer scan" in sentence for sentence in point_detail_sentences(point))
 
 
-def test_friction_range_for_finer_scans_starts_at_a_coefficient_that_is_below_the_plastic_limit():
+def test_friction_range_for_finer_scans_starts_at_the_coefficient_if_it_is_below_the_plastic_limit():
     lower, upper = (
         summarize(measured_result(all_contacts=0.22, half_width_ratio=0.01), measured_study(hardness=2.0))
         .points[0]

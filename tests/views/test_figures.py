@@ -264,7 +264,7 @@ def test_friction_curves_equal_the_friction_map_at_their_load(generated_dataset)
 @pytest.mark.parametrize(
     "selection", [{"fractal_dimension": [2]}, {"repetition": [3]}, {"approach": [7, 8, 9]}], ids=str
 )
-def test_figures_of_results_with_one_dimension_or_pair_or_few_approaches_cause_no_warning(
+def test_figures_of_one_fractal_dimension_or_one_pair_or_few_approaches_cause_no_warning(
     generated_dataset, selection, tmp_path
 ):
     result = Result.of(generated_dataset.isel(amplitude=[0], **selection))
@@ -272,7 +272,7 @@ def test_figures_of_results_with_one_dimension_or_pair_or_few_approaches_cause_n
     save_figure(area_figure(evaluate_area_over_load(result), result.study), tmp_path / "area.png")
 
 
-def test_cells_with_wide_intervals_fade_to_grey_of_equal_luminance():
+def test_friction_map_cells_with_wide_intervals_fade_to_grey_of_equal_luminance():
     cells = [(1.0, 0.9, 1.1), (1.0, 0.0, 1.0), (1.0, -3.0, 5.0), (1.0, np.nan, np.nan), (np.nan, np.nan, np.nan)]
     certain_colour, partly_faded, fully_faded, without_interval, without_value = _compute_fading(np.array(cells))
     assert (certain_colour, without_value) == (0, 0)
@@ -297,7 +297,7 @@ def test_area_figure_has_a_labelled_curve_for_each_fractal_dimension(generated_d
         assert ax.get_ylim()[1] <= 2.01 * np.nanmax(values)
 
 
-def test_loads_of_a_figure_are_reached_at_every_fractal_dimension(generated_dataset):
+def test_loads_chosen_for_a_figure_are_reached_at_every_fractal_dimension(generated_dataset):
     loads = choose_loads_in_range(generated_dataset)
     mean_loads = generated_dataset["normal_elastic"].mean("repetition")
     assert loads[0] >= float(mean_loads.isel(approach=0).max()) * (1 - 1e-12)

@@ -429,7 +429,7 @@ def test_height_step_in_a_map_with_missing_points_adds_a_caveat():
 
 
 @pytest.mark.parametrize("kind", ["Gaussian", "turned", "turned roughly", "milled", "ground", "honed"])
-def test_maps_without_form_and_steps_have_no_caveat_about_form_or_steps(kind):
+def test_maps_without_form_error_and_height_steps_have_no_caveat_about_them(kind):
     for seed in range(10):
         heights = (
             short_wave_map(seed, 128) if kind == "Gaussian" else MACHINED_SURFACES[kind](np.random.default_rng(seed), 2)

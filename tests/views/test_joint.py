@@ -119,7 +119,7 @@ def test_joint_table_contains_the_values_of_the_result_at_each_nominal_pressure(
         assert {estimate.kind for estimate in percentiles} == {"prediction"}
 
 
-def test_joint_of_grooved_surfaces_has_a_tangential_stiffness_equal_to_the_normal_unloading_stiffness(table):
+def test_tangential_stiffness_of_a_joint_with_parallel_grooves_equals_its_unloading_stiffness(table):
     for row in table.rows:
         unloading = row.estimates["unloading_closure_stiffness"].value
         assert row.estimates["tangential_stiffness_per_area"].value == pytest.approx(unloading)

@@ -70,7 +70,7 @@ def test_table_of_values_states_the_kind_of_each_interval():
         assert set(rows.loc[["contact_count"], "kind"]) == {"mean"}
 
 
-def test_data_frame_of_values_contains_their_status():
+def test_data_frame_of_values_contains_the_status_of_each_value():
     dataset = measured_result(loads=(1.0, 10.0))
     dataset["status"].loc[{"load": 10.0}] = "not-reached"
     dataset["friction_coefficient"].loc[{"load": 10.0}] = np.nan

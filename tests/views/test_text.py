@@ -116,7 +116,7 @@ def test_result_text_of_maps_fits_in_24_lines():
         assert words in result_text(summarize(*DATASETS_AND_STUDIES["maps"]), verbose=True)
 
 
-def test_text_of_profiles_with_asperity_model_has_no_area_fraction():
+def test_result_text_for_profiles_and_asperity_model_omits_the_area_fraction():
     for mechanics, has_area_fraction in (("asperities", False), ("half-space", True)):
         study = measured_study(press="lines", mechanics=mechanics)
         assert ("A/A0" in result_text(summarize(DATASETS_AND_STUDIES["lines"][0], study))) == has_area_fraction
