@@ -375,7 +375,8 @@ def select_by_weight(cumulative_weights: Floats, count: int, offset: float) -> N
     """
     targets = (np.arange(count) + offset) / count * cumulative_weights[-1]
     # Round-off can make the last target exceed the sum of all weights.
-    return np.minimum(np.searchsorted(cumulative_weights, targets), cumulative_weights.size - 1)
+    indices: NDArray[np.intp] = np.minimum(np.searchsorted(cumulative_weights, targets), cumulative_weights.size - 1)
+    return indices
 
 
 def draw_input_samples(inputs: Mapping[str, UncertainInput]) -> dict[str, Floats]:
