@@ -61,9 +61,9 @@ def measure_parabola_fraction(body: Surface) -> float:
     coordinates, heights, mean_square = blocks
     x, y = coordinates
     exponent_pairs = [(i, degree - i) for degree in range(5) for i in range(degree + 1)]
-    design = np.stack([x**i * y**j for i, j in exponent_pairs], axis=1)
+    design_matrix = np.stack([x**i * y**j for i, j in exponent_pairs], axis=1)
     # Columns 0 to 2 of the orthogonal basis describe a plane, 3 to 5 a parabola, the others cubic and quartic terms.
-    basis, _ = np.linalg.qr(design)
+    basis, _ = np.linalg.qr(design_matrix)
     mean_squares = np.square(basis.T @ heights) / heights.size
     parabola, higher_terms = mean_squares[3:6].sum(), mean_squares[6:].sum()
     is_dominant = parabola > MIN_PARABOLA_DOMINANCE * higher_terms
@@ -103,7 +103,9 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
             best_edge = float(distance_across[block_order][margin - 1 + best_index : margin + 1 + best_index].mean())
             best_distances_across = distance_across
     distances = best_distances_across - best_edge
-    nearest_distance, farthest_distance = (2 / min(MAX_BLOCKS, count) * limit for limit in _STEP_BAND_BLOCKS)
+    nearest_distance, farthest_distance = (
+        2 / min(MAX_BLOCKS, count) * distance_in_blocks for distance_in_blocks in _STEP_BAND_BLOCKS
+    )
     heights_below, heights_above = (
         heights[(sign * distances > nearest_distance) & (sign * distances < farthest_distance)] for sign in (-1, 1)
     )
@@ -113,8 +115,8 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
         return None
     # Blocks on the edge of the step are excluded, because their mean heights mix both sides.
     is_undivided = np.abs(distances) > nearest_distance
-    design = np.stack([np.ones_like(heights), *coordinates, distances > 0], axis=1)[is_undivided]
-    *_, height = np.linalg.lstsq(design, heights[is_undivided], rcond=None)[0]
+    design_matrix = np.stack([np.ones_like(heights), *coordinates, distances > 0], axis=1)[is_undivided]
+    *_, height = np.linalg.lstsq(design_matrix, heights[is_undivided], rcond=None)[0]
     return DominantStep(abs(float(height)), min(best_square_sum / count / mean_square, 1.0))
 
 
@@ -133,7 +135,9 @@ def _average_blocks(body: Profile | Surface) -> tuple[list[Floats], Floats, floa
     heights = heights[tuple(slice(count * size) for count, size in zip(block_counts, block_sizes, strict=True))]
     missing = np.isnan(heights)
     has_missing = bool(missing.any())
-    split_shape = [length for pair in zip(block_counts, block_sizes, strict=True) for length in pair]
+    split_shape = [
+        length for count_and_size in zip(block_counts, block_sizes, strict=True) for length in count_and_size
+    ]
     split_axes = tuple(range(1, 2 * heights.ndim, 2))
     measured_counts = np.prod(block_sizes) - missing.reshape(split_shape).sum(axis=split_axes)
 

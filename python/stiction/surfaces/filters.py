@@ -236,7 +236,7 @@ def _filter_reflected(heights: Floats, cutoffs_in_points: Sequence[float]) -> Fl
     for axis, cutoff_in_points in enumerate(cutoffs_in_points):
         points = heights.shape[axis]
         centred_index = np.arange(points) - (points - 1) / 2
-        other_axes = tuple(other for other in range(heights.ndim) if other != axis)
+        other_axes = tuple(other_axis for other_axis in range(heights.ndim) if other_axis != axis)
         slope = centred_index @ heights.mean(axis=other_axes) / max(float(centred_index @ centred_index), 1.0)
         tilt_plane = tilt_plane + slope * _reshape_along_axis(centred_index, axis, heights.ndim)
         transmission = transmission * _reshape_along_axis(

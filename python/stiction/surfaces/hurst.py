@@ -322,7 +322,7 @@ def estimate_hurst_exponent(
     exponent = PowerLawFit(np.log(q), power, np.ones(q.size)).exponent
     dispersion = max(1.0, bins.deviance(exponent, bins.count / variance_factor))
     fit = PowerLawFit(np.log(q), power, np.full(q.size, 1 / (variance_factor * dispersion)))
-    lower, upper = fit.exponent_interval(fit.min_loss + _CHI_SQUARED_95 / 2)
+    smallest_exponent, largest_exponent = fit.exponent_interval(fit.min_loss + _CHI_SQUARED_95 / 2)
     # The interval of the Hurst exponent includes the uncertainty of the roll-off wavelength.
     if piece_bins is not None:
         piece_weight = piece_bins.count / (variance_factor * dispersion)
@@ -332,11 +332,11 @@ def estimate_hurst_exponent(
             PowerLawFit(log_q_row, piece_bins.power, piece_weight).exponent_interval(max_loss)
             for log_q_row in log_q_rows[losses < max_loss]
         ]
-        lower = min([lower, *(interval[0] for interval in intervals)])
-        upper = max([upper, *(interval[1] for interval in intervals)])
+        smallest_exponent = min([smallest_exponent, *(interval[0] for interval in intervals)])
+        largest_exponent = max([largest_exponent, *(interval[1] for interval in intervals)])
     log_prefactor = fit.log_prefactor + 2 * math.log(height_scale)
     return HurstEstimate(
-        value=(fit.exponent - 1) / 2, lower=(lower - 1) / 2, upper=(upper - 1) / 2,
+        value=(fit.exponent - 1) / 2, lower=(smallest_exponent - 1) / 2, upper=(largest_exponent - 1) / 2,
         shortest_wavelength=2 * math.pi / float(q[-1]), longest_wavelength=2 * math.pi / float(q[0]),
         harmonics=int(q.size), prefactor=math.exp(log_prefactor), dispersion=dispersion, dimensions=dimensions,
     )  # fmt: skip
@@ -389,10 +389,15 @@ class _SpectrumBins:
 
     @classmethod
     def from_harmonics(cls, q: Floats, power: Floats) -> _SpectrumBins:
-        index = np.floor(_BINS_PER_DECADE * np.log10(q / q[0]) + 1e-9)
-        first = np.flatnonzero(np.diff(index, prepend=-1))
-        count = np.diff(first, append=q.size).astype(np.float64)
-        return cls(first, np.add.reduceat(np.log(q), first) / count, np.add.reduceat(power, first) / count, count)
+        bin_index = np.floor(_BINS_PER_DECADE * np.log10(q / q[0]) + 1e-9)
+        first_harmonics = np.flatnonzero(np.diff(bin_index, prepend=-1))
+        count = np.diff(first_harmonics, append=q.size).astype(np.float64)
+        return cls(
+            first_harmonics,
+            np.add.reduceat(np.log(q), first_harmonics) / count,
+            np.add.reduceat(power, first_harmonics) / count,
+            count,
+        )
 
     def slice_bins(self, start: int, end: int) -> _SpectrumBins:
         return _SpectrumBins(self.first[start:end], self.log_q[start:end], self.power[start:end], self.count[start:end])

@@ -136,7 +136,9 @@ def _find_uniform_spacing(name: str, axis: str, positions: Any) -> float:
 
 def _parse_unit_factor(name: str, unit: Any, type_name: str, *, axis: str | None = None) -> float:
     if unit not in LENGTH_UNITS:
-        allowed_units = ", ".join(item for item in LENGTH_UNITS if len(item) < 3 and item.isascii())
+        allowed_units = ", ".join(
+            unit_symbol for unit_symbol in LENGTH_UNITS if len(unit_symbol) < 3 and unit_symbol.isascii()
+        )
         raise ValueError(
             f"{name} must have a unit of length{'' if axis is None else f' along {axis}'} ({allowed_units}), "
             f"set in the {type_name} or with unit=, got {short_repr(unit)}"

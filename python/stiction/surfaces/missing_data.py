@@ -109,12 +109,12 @@ def with_interpolated_points(body: AnyBody, points: NDArray[np.bool_]) -> AnyBod
 def describe_missing_points(missing: NDArray[np.bool_], spacing: tuple[float, ...]) -> str:
     """Describe missing points in the history of a body: their fraction, and size and position of the largest gap."""
     points, bounding_box = find_largest_gap(missing)
-    ends = [
+    region_ends = [
         f"{axis} {format_with_unit(extent.start * step, 'µm')} to {format_with_unit(extent.stop * step, 'µm')}"
         for axis, extent, step in zip("xy", bounding_box[::-1], spacing[::-1], strict=False)
     ]
     count_text = "1 point" if points == 1 else f"{points} points"
-    return f"{100 * missing.mean():.2g} % of all points; the largest gap has {count_text}, at {', '.join(ends)}"
+    return f"{100 * missing.mean():.2g} % of all points; the largest gap has {count_text}, at {', '.join(region_ends)}"
 
 
 def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[np.bool_]:
@@ -228,13 +228,15 @@ def _find_neighbour_deviations(
             near_rough_region[...] = True
     typical_values = np.zeros(deviations.shape)
     for group_mask in (~at_edge, at_edge):
-        values, rough_values = (deviations[group_mask & points] for points in (is_known, is_known & is_rough))
-        if values.size >= _MIN_EDGE_POINTS:
+        group_deviations, rough_deviations = (
+            deviations[group_mask & points] for points in (is_known, is_known & is_rough)
+        )
+        if group_deviations.size >= _MIN_EDGE_POINTS:
             group_mask = group_mask | (typical_values == 0)
-            typical_value = max(float(np.median(values)), _MEDIAN_ROUNDING_DEVIATION * resolution)
+            typical_value = max(float(np.median(group_deviations)), _MEDIAN_ROUNDING_DEVIATION * resolution)
             typical_values[group_mask] = typical_value
-            if rough_values.size >= _MIN_EDGE_POINTS:
-                typical_values[group_mask & near_rough_region] = max(float(np.median(rough_values)), typical_value)
+            if rough_deviations.size >= _MIN_EDGE_POINTS:
+                typical_values[group_mask & near_rough_region] = max(float(np.median(rough_deviations)), typical_value)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(is_measured & np.isfinite(deviations) & (typical_values > 0), deviations / typical_values, 1.0)
     return _NeighbourDeviations(typical_values, ratio)

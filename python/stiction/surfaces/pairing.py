@@ -314,7 +314,10 @@ class MapPairs:
     def _find_overlap(self, steps: tuple[int, int]) -> tuple[tuple[int, int], tuple[int, int]]:
         """Return the overlap of both maps at a shift: first row and column on the lower map, and size in points."""
         starts = tuple(max(0, step) for step in steps)
-        ends = (min(lower, step + upper) for upper, lower, step in zip(*self._map_shapes, steps, strict=True))
+        ends = (
+            min(lower_points, step + upper_points)
+            for upper_points, lower_points, step in zip(*self._map_shapes, steps, strict=True)
+        )
         return starts, tuple(end - start for end, start in zip(ends, starts, strict=True))  # type: ignore[return-value]
 
     @cached_property
@@ -358,7 +361,10 @@ class MapPairs:
         """Return the number of different relative positions of both maps."""
         if self.shifts is not None:
             return len(self.shifts)
-        margins = [max(upper, lower) - size for upper, lower, size in zip(*self._map_shapes, self.shape, strict=True)]
+        margins = [
+            max(upper_points, lower_points) - overlap_points
+            for upper_points, lower_points, overlap_points in zip(*self._map_shapes, self.shape, strict=True)
+        ]
         equal_size = self._map_shapes[0] == self._map_shapes[1]
         return (2 * margins[0] + 1) * (margins[1] // 2 + 1) if equal_size else (margins[0] + 1) * (margins[1] + 1)
 

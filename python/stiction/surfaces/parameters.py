@@ -80,13 +80,15 @@ _PROFILE_ELEMENT_REQUIREMENT = "three turns from hill to dale"
 
 
 def _define_profile_parameters(letter: str) -> tuple[ParameterDefinition, ...]:
-    result = []
-    for stem in _PROFILE_PARAMETER_KEYS[letter]:
-        meaning, clause, formula, unit = _PROFILE_PARAMETER_TEXTS[stem]
+    definitions = []
+    for name_without_letter in _PROFILE_PARAMETER_KEYS[letter]:
+        meaning, clause, formula, unit = _PROFILE_PARAMETER_TEXTS[name_without_letter]
         requirement = _PROFILE_ELEMENT_REQUIREMENT if clause == _ELEMENT_GROUP else _PROFILE_REQUIREMENTS[letter]
-        source, is_fraction = f"ISO 21920-2, {clause}", stem.startswith("mr")
-        result.append(ParameterDefinition(letter + stem, meaning, source, formula, unit, requirement, is_fraction))
-    return tuple(result)
+        source, is_fraction = f"ISO 21920-2, {clause}", name_without_letter.startswith("mr")
+        definitions.append(
+            ParameterDefinition(letter + name_without_letter, meaning, source, formula, unit, requirement, is_fraction)
+        )
+    return tuple(definitions)
 
 
 PROFILE_PARAMETERS = {letter: _define_profile_parameters(letter) for letter in "PRW"}

@@ -238,9 +238,10 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
                 f"start and stop of a surface must be pairs (y, x), got {short_repr(start)} and {short_repr(stop)}"
             )
     ranges = [
-        find_crop_range(*pair) for pair in zip(axes, body.heights.shape, body.spacings, starts, stops, strict=True)
+        find_crop_range(*axis_arguments)
+        for axis_arguments in zip(axes, body.heights.shape, body.spacings, starts, stops, strict=True)
     ]
-    selected_slices = tuple(slice(first, end) for first, end, _ in ranges)
+    selected_slices = tuple(slice(first_point, end) for first_point, end, _ in ranges)
     history_entry = f"cropped to {' and '.join(range_text for _, _, range_text in ranges)}"
     return body.changed(
         body.heights[selected_slices], history_entry, missing=select_from_mask(body.missing, selected_slices)
@@ -346,7 +347,8 @@ def _resample_to_grid(body: Any, spacing: tuple[float, ...], shape: tuple[int, .
     heights, missing = body.heights, body.missing
     for axis, (old_spacing, new_spacing, points) in enumerate(zip(old_spacings, spacing, shape, strict=True)):
         heights, missing = (
-            _resample_along_axis(value, old_spacing, new_spacing, points, axis, align) for value in (heights, missing)
+            _resample_along_axis(point_values, old_spacing, new_spacing, points, axis, align)
+            for point_values in (heights, missing)
         )
     is_profile, size_text = len(shape) == 1, " rows of ".join(map(str, shape))
     spacing_text = " and ".join(f"{axis_spacing:g}" for axis_spacing in spacing)

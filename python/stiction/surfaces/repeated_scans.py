@@ -155,8 +155,8 @@ def compare_repeated_scans(
         """Return the levelled heights of both scans in their overlap, at the points of the first scan."""
         heights, other_heights = (levelled(body, trend).heights for body in bodies)
         return [
-            levelled(body_class(values, spacing=first.spacing), trend).heights
-            for values in _resample_at_shift(heights, other_heights, shift)
+            levelled(body_class(scan_heights, spacing=first.spacing), trend).heights
+            for scan_heights in _resample_at_shift(heights, other_heights, shift)
         ]
 
     shift_in_points = _find_shift(*(levelled(body, trend).heights for body in bodies_without_outliers))
@@ -206,12 +206,12 @@ def compare_repeated_scans(
         float(np.min(scan.extent)) / 3,
     )
     slope_fraction = float(half_difference_spectrum @ q**2 / (mean_scan_spectrum @ q**2))
-    limit = shortest_wavelength
+    cutoff = shortest_wavelength
     if slope_fraction > MAX_UNATTRIBUTED_FRACTION:
-        limit = _find_noise_cutoff(q, mean_scan_spectrum, half_difference_spectrum, shortest_wavelength, max_cutoff)
+        cutoff = _find_noise_cutoff(q, mean_scan_spectrum, half_difference_spectrum, shortest_wavelength, max_cutoff)
     return RepeatedScans(
-        scan, shift, correlation, wavelength, make_read_only(noise), make_read_only(common_roughness), noise_rms, limit,
-        slope_fraction,
+        scan, shift, correlation, wavelength, make_read_only(noise), make_read_only(common_roughness), noise_rms,
+        cutoff, slope_fraction,
     )  # fmt: skip
 
 

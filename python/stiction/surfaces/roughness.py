@@ -260,11 +260,11 @@ def _compute_height_parameters(deviation: Floats, scale: float) -> dict[str, flo
 
 def _compute_material_ratio_parameters(deviation: Floats, scale: float) -> dict[str, float]:
     core, volumes = core_parameters(deviation), material_volumes(deviation)
-    extreme_peak, extreme_peak_end, upper, lower = heights_at_material_ratios(
+    extreme_peak, extreme_peak_end, core_top, core_bottom = heights_at_material_ratios(
         deviation, [*EXTREME_PEAK_MATERIAL_RATIOS, PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO]
     ).tolist()
     return {
-        "Smr": float(np.mean(deviation > 0)), "Sdc": scale * (upper - lower),
+        "Smr": float(np.mean(deviation > 0)), "Sdc": scale * (core_top - core_bottom),
         "Sxp": scale * (extreme_peak - extreme_peak_end),
         "Sk": scale * core.core_height, "Spk": scale * core.reduced_peak_height, "Svk": scale * core.reduced_pit_depth,
         "Smr1": core.upper_core_ratio, "Smr2": core.lower_core_ratio, "Vmp": scale * volumes.peak_material,

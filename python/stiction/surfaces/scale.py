@@ -185,7 +185,7 @@ def fitted_and_limiting_power_laws(estimate: HurstEstimate) -> tuple[HurstEstima
     All three power laws agree at the centre of the band.
     """
     centre_wave_number = 2 * math.pi / math.sqrt(estimate.shortest_wavelength * estimate.longest_wavelength)
-    lower, upper = (
+    law_of_smallest_exponent, law_of_largest_exponent = (
         replace(
             estimate,
             value=exponent,
@@ -193,7 +193,7 @@ def fitted_and_limiting_power_laws(estimate: HurstEstimate) -> tuple[HurstEstima
         )
         for exponent in (estimate.lower, estimate.upper)
     )
-    return estimate, lower, upper
+    return estimate, law_of_smallest_exponent, law_of_largest_exponent
 
 
 def extrapolated_mean_square_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
@@ -676,8 +676,8 @@ def _falls_like_surface(q: Floats, density: Floats, wavelength_limit: float) -> 
     half_octave = math.sqrt(2)
     band_pairs = [((end / 2, end / half_octave), (end / half_octave, end))]
     for step in range(max(math.ceil(2 * math.log2(end / start)), 1)):
-        upper = end / half_octave**step
-        band_pairs.append(((upper / 4, upper / 2), (upper / 2, upper)))
+        max_wave_number = end / half_octave**step
+        band_pairs.append(((max_wave_number / 4, max_wave_number / 2), (max_wave_number / 2, max_wave_number)))
     for longer_band, shorter_band in band_pairs:
         is_in_longer, is_in_shorter = (
             (q > lower_limit) & (q <= upper_limit) for lower_limit, upper_limit in (longer_band, shorter_band)
@@ -796,13 +796,15 @@ def _find_flattening_bin(
     Returns None if there is no such window.
     """
     has_fallen = False
-    for first, end, exponent, deviation in window_fits:
+    for first_bin, end_bin, exponent, deviation in window_fits:
         if exponent + _MIN_EXPONENT_DEVIATIONS * deviation < -1:
             has_fallen = True
         elif has_fallen and exponent - _MIN_EXPONENT_DEVIATIONS * deviation > -1:
-            slope = _fit_line_slope(-np.log(points[first:]), np.log(density[first:]), chance_variance[first:])[0]
-            if points[first] <= _MAX_HUMP_WAVELENGTH_POINTS or slope > -1:
-                return first + int(np.argmin(density[first:end]))
+            slope = _fit_line_slope(
+                -np.log(points[first_bin:]), np.log(density[first_bin:]), chance_variance[first_bin:]
+            )[0]
+            if points[first_bin] <= _MAX_HUMP_WAVELENGTH_POINTS or slope > -1:
+                return first_bin + int(np.argmin(density[first_bin:end_bin]))
     return None
 
 

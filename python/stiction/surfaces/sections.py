@@ -241,7 +241,9 @@ def _compute_with_setting_class(
         class_by_height = next(
             k for k, setting in enumerate(SETTING_CLASSES) if result.Ra <= setting.largest_mean_height
         )
-        class_by_element = next(k for k, item in enumerate(SETTING_CLASSES) if not result.RSm > item.largest_element)
+        class_by_element = next(
+            k for k, setting_class in enumerate(SETTING_CLASSES) if not result.RSm > setting_class.largest_element
+        )
         return max(class_by_height, class_by_element)
 
     index, visited_classes = (

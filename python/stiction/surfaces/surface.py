@@ -118,7 +118,7 @@ def parse_lengths(name: str, value: Any) -> tuple[float, float]:
     lengths = value if isinstance(value, (tuple, list)) or np.ndim(value) > 0 else (value, value)
     if len(lengths) != 2:
         raise ValueError(f"{name} must be a number or a pair (y, x), got {short_repr(value)}")
-    along_y, along_x = (validate_number(name, item, unit="µm", above=0) for item in lengths)
+    along_y, along_x = (validate_number(name, length, unit="µm", above=0) for length in lengths)
     return along_y, along_x
 
 

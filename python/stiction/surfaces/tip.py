@@ -67,8 +67,8 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
     is_inside = np.zeros(recorded_heights.shape, np.bool_)
     is_inside[
         tuple(
-            slice(half_width, size - half_width)
-            for half_width, size in zip(half_widths, recorded_heights.shape, strict=True)
+            slice(half_width, points - half_width)
+            for half_width, points in zip(half_widths, recorded_heights.shape, strict=True)
         )
     ] = True
     for counts_contacts in (True, False):

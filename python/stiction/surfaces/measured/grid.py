@@ -85,19 +85,19 @@ def _find_step_and_node_indices(
         raise FormatError(
             f"lists points that all have the same {name}, so they form a profile; choose other columns (--columns)"
         )
-    nodes = np.round((positions - positions.min()) / step)
-    if not nodes.max() <= MAX_NODES_PER_POINT * positions.size + 10:
+    node_indices = np.round((positions - positions.min()) / step)
+    if not node_indices.max() <= MAX_NODES_PER_POINT * positions.size + 10:
         raise FormatError(
             f"lists {positions.size} points that are not on a grid, because the steps along {name} differ too much; "
             "interpolate them onto a grid, or export a matrix"
         )
-    last_node = int(nodes.max())
+    last_node = int(node_indices.max())
     step = float(positions.max() - positions.min()) / last_node
-    deviations = np.abs(positions - positions.min() - nodes * step)
+    deviations = np.abs(positions - positions.min() - node_indices * step)
     # The step is fitted to all positions, because the first and the last position have measurement errors too.
     if deviations.max() > EXACT_POSITION_TOLERANCE * step:
-        step, first = (float(item) for item in np.polyfit(nodes, positions, 1))
-        deviations = np.abs(positions - first - nodes * step)
+        step, first_position = (float(coefficient) for coefficient in np.polyfit(node_indices, positions, 1))
+        deviations = np.abs(positions - first_position - node_indices * step)
     worst_index = int(np.argmax(deviations))
     allowed_deviation = MAX_GRID_OFFSET * step
     if deviations[worst_index] > allowed_deviation and digits is not None:
@@ -108,7 +108,7 @@ def _find_step_and_node_indices(
             f"{positions[worst_index]:g}, which is {deviations[worst_index] / step:.2g} grid steps from the nearest "
             f"node (grid step {step:g} in the unit of the file); interpolate the points onto a grid, or export a matrix"
         )
-    return step, nodes.astype(np.int64)
+    return step, node_indices.astype(np.int64)
 
 
 def _find_step_of_rounded_positions(positions: Floats, digits: Callable[[], Floats] | None) -> float | None:
@@ -121,12 +121,12 @@ def _find_step_of_rounded_positions(positions: Floats, digits: Callable[[], Floa
     distinct_positions = np.unique(positions)
     if digits is None or distinct_positions.size < 3:
         return None
-    nodes = np.arange(distinct_positions.size)
-    step = float(np.polyfit(nodes, distinct_positions, 1)[0])
+    node_indices = np.arange(distinct_positions.size)
+    step = float(np.polyfit(node_indices, distinct_positions, 1)[0])
     last_digit_value = float(np.max(digits()))
     is_uniform = (
         step >= MIN_STEP_OF_ROUNDED_POSITIONS * last_digit_value
-        and np.ptp(distinct_positions - step * nodes) <= MAX_SCATTER_DIGITS * last_digit_value
+        and np.ptp(distinct_positions - step * node_indices) <= MAX_SCATTER_DIGITS * last_digit_value
     )
     return step if is_uniform else None
 

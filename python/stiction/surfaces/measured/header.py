@@ -614,11 +614,16 @@ def split_column_names(line: str, width: int, dialect: Dialect) -> list[str] | N
     if dialect.separator is None and len(words) == 2 * width and any(map(parse_length_unit, words[1::2])):
         # The line has pairs of names and units, as in "DISTANCE mm DEPTH um".
         return [f"{name} [{unit}]" for name, unit in zip(words[::2], words[1::2], strict=True)]
-    for number, cells in enumerate(candidates):
+    for candidate_index, cells in enumerate(candidates):
         cells = [cell.strip(" \"'") for cell in cells]
         while len(cells) > width and not cells[-1]:
             cells.pop()
-        if len(cells) > width > 1 and number == 0 and dialect.separator is not None and any(map(_has_unit, cells)):
+        if (
+            len(cells) > width > 1
+            and candidate_index == 0
+            and dialect.separator is not None
+            and any(map(_has_unit, cells))
+        ):
             # A header may have more names than columns. The surplus names at its end are ignored.
             return cells[:width]
         if len(cells) == width:

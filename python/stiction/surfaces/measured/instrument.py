@@ -141,6 +141,6 @@ def _read_channel(path: Path, index: int, name: str) -> RawHeights | ColumnTable
         spacing = None
         if has_sizes:
             pixel_sizes = np.atleast_1d(topography.pixel_size)
-            spacing = tuple(float(item) for item in reversed(pixel_sizes))
+            spacing = tuple(float(pixel_size) for pixel_size in reversed(pixel_sizes))
     # The first axis of a SurfaceTopography array is x.
     return RawHeights(np.ascontiguousarray(heights.T), unit=unit, spacing=spacing, position_unit=unit, source=source)

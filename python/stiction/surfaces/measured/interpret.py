@@ -101,7 +101,7 @@ def validate_read_options(
         if selection is not None and (isinstance(selection, bool) or not isinstance(selection, (str, int))):
             raise ValueError(f"{name} must be a name or a number counted from 0, got {short_repr(selection)}")
     columns = None if columns is None else tuple(columns)
-    dy, dx = (None if item is None else _parse_length("spacing", item) for item in pair)
+    dy, dx = (None if axis_spacing is None else _parse_length("spacing", axis_spacing) for axis_spacing in pair)
     crop = None if crop is None else tuple(float(_parse_length("crop", bound, allows_zero=True)) for bound in crop)
     return ReadOptions(
         *_parse_position_and_height_units(unit),
@@ -179,8 +179,8 @@ def to_profile(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
             f"contains too few points, {raw.heights.size}; a profile must have at least {MIN_POINTS} points, and a "
             "map two rows and two columns"
         )
-    given, other = options.spacing
-    if given != other:
+    given, other_spacing = options.spacing
+    if given != other_spacing:
         raise FormatError("contains a profile, which has one spacing, but the option spacing has two lengths")
     _require_unit_or_spacing(raw, options)
     heights, unit, caveats, height_history = _convert_heights(raw, options)
@@ -270,7 +270,10 @@ def _parse_position_and_height_units(unit: Any) -> tuple[str | None, str | None]
     A single unit applies to both.
     """
     pair = unit if isinstance(unit, tuple) else (unit, unit)
-    if len(pair) != 2 or not all(item is None or (isinstance(item, str) and parse_length_unit(item)) for item in pair):
+    if len(pair) != 2 or not all(
+        quantity_unit is None or (isinstance(quantity_unit, str) and parse_length_unit(quantity_unit))
+        for quantity_unit in pair
+    ):
         raise ValueError(f"unit must be a unit of length (m, mm, um, nm, pm) or a pair of them, got {short_repr(unit)}")
     return pair
 
@@ -554,9 +557,9 @@ def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[Fil
     # In an unnamed column of heights, the last number may be the spacing.
     if raw.source.column in ("", "column 0"):
         end_numbers["last"] = float(raw.heights[-1])
-    for place, number in end_numbers.items():
+    for end_name, number in end_numbers.items():
         if any(math.isclose(number * factor, given, rel_tol=1e-9) for factor in LENGTH_UNITS.values()):
-            text = f"the {place} number, {number:g}, equals the option spacing"
+            text = f"the {end_name} number, {number:g}, equals the option spacing"
             return [
                 FileCaveat("first-number", text, "delete it if it is the spacing instead of a height, or accept it")
             ]
@@ -674,7 +677,7 @@ def _crop_and_fill_gaps(
             find_crop_range(f" along {axis}", size, step, start, stop) for stop, start, size, step, axis in crop_limits
         ]
         heights = heights[tuple(slice(first_index, end) for first_index, end, _ in crop_ranges)]
-        steps.append(f"cropped to {' and '.join(words for _, _, words in crop_ranges[::-1])}")
+        steps.append(f"cropped to {' and '.join(description for _, _, description in crop_ranges[::-1])}")
     is_gap, missing = np.isnan(heights), options.missing
     if is_gap.any() and is_gap.all():
         raise FormatError("has no heights: all points are missing")

@@ -93,9 +93,9 @@ def reject_separate_blocks(lengths: Sequence[int], first_lines: Sequence[int]) -
     if len(lengths) < 2 or max(lengths) == 1:
         return
     shown_blocks = [f"{length} from line {line}" for length, line in zip(lengths, first_lines, strict=True)][:4]
-    more_text = " and others" if len(lengths) > len(shown_blocks) else ""
+    others_text = " and others" if len(lengths) > len(shown_blocks) else ""
     raise FormatError(
-        f"has {len(lengths)} blocks of rows with empty lines between them ({', '.join(shown_blocks)}{more_text}), "
+        f"has {len(lengths)} blocks of rows with empty lines between them ({', '.join(shown_blocks)}{others_text}), "
         "which may be other scans, statistics or missing points; keep one block, without empty lines"
     )
 
@@ -121,12 +121,12 @@ def find_grid_columns(values: Floats) -> tuple[int, int] | None:
                 positions[column] = distinct.size, index
     for first_column, second_column in itertools.combinations(positions, 2):
         (x_count, x_index), (y_count, y_index) = positions[first_column], positions[second_column]
-        nodes = x_count * y_count
-        if nodes > MAX_GRID_NODES_PER_LISTED_POINT * rows or np.unique(x_index * y_count + y_index).size < rows:
+        node_count = x_count * y_count
+        if node_count > MAX_GRID_NODES_PER_LISTED_POINT * rows or np.unique(x_index * y_count + y_index).size < rows:
             continue
         steps = (np.diff(values[:, column]) for column in (first_column, second_column))
         if any((step >= 0).all() or (step <= 0).all() for step in steps) or (
-            nodes == rows and ((first_column, second_column) == (0, 1) or min(x_count, y_count) > 3)
+            node_count == rows and ((first_column, second_column) == (0, 1) or min(x_count, y_count) > 3)
         ):
             return first_column, second_column
     return None
@@ -147,9 +147,9 @@ def _describe_unlike_columns(values: Floats, column_numbers: Sequence[int]) -> s
     )
     if inner_constants.size and not is_constant.all():
         return f"column {column_numbers[int(inner_constants[0])]} has only equal numbers"
-    for place in range(count - 2):
-        if np.allclose((values[:, place : place + 3] ** 2).sum(axis=1), 1.0, atol=0.02):
-            return f"columns {column_numbers[place]} to {column_numbers[place + 2]} are unit vectors"
+    for first_column in range(count - 2):
+        if np.allclose((values[:, first_column : first_column + 3] ** 2).sum(axis=1), 1.0, atol=0.02):
+            return f"columns {column_numbers[first_column]} to {column_numbers[first_column + 2]} are unit vectors"
     return None
 
 
@@ -158,7 +158,7 @@ def _find_statistics(values: Floats) -> str | None:
 
     An example of such statistics is a last row with the mean of each column.
     """
-    for axis, kind in ((0, "row"), (1, "column")):
+    for axis, line_kind in ((0, "row"), (1, "column")):
         lines = values if axis == 0 else values.T
         for side, ordered_lines in (("last", lines), ("first", lines[::-1])):
             # Most matrices contain no statistics, so a few columns are first compared with their statistics.
@@ -166,7 +166,7 @@ def _find_statistics(values: Floats) -> str | None:
             for count in range(1, min(MAX_STATISTIC_LINES, lines.shape[0] - 4) + 1):
                 name = _find_statistic_name(ordered_lines[:, sample], count)
                 if name is not None and _find_statistic_name(ordered_lines, count) == name:
-                    return f"{name} in its {side} {kind}s" if count > 1 else f"{name} in its {side} {kind}"
+                    return f"{name} in its {side} {line_kind}s" if count > 1 else f"{name} in its {side} {line_kind}"
     return None
 
 

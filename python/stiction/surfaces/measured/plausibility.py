@@ -146,8 +146,8 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
     # A code for missing points must be far from the median height, unless most heights are equal.
     sample = heights[:: max(1, heights.size // MAX_SAMPLED_HEIGHTS)]
     median = float(np.median(sample))
-    limit = MIN_CODE_DEVIATION * float(np.median(np.abs(sample - median)))
-    near_sample = sample[np.abs(sample - median) <= limit]
+    max_near_deviation = MIN_CODE_DEVIATION * float(np.median(np.abs(sample - median)))
+    near_sample = sample[np.abs(sample - median) <= max_near_deviation]
     can_be_close = scan.from_file and any(
         _to_number_in_file(extreme, scan) in KNOWN_MISSING_CODES
         or np.count_nonzero(heights == extreme) >= MIN_MISSING_CODE_REPEATS
@@ -158,17 +158,17 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
     has_gap = max(float(near_sample.min()) - extremes[0], extremes[1] - float(near_sample.max())) > max_gap
     if near_sample.size > MIN_DISTINCT_HEIGHTS and not has_gap:
         return []
-    is_far = (heights < median - limit) | (heights > median + limit)
+    is_far = (heights < median - max_near_deviation) | (heights > median + max_near_deviation)
     # A sample suffices to exclude codes: a gap next to a code is at least as wide in a sample as in all heights.
     gaps = np.diff(np.sort(np.concatenate([heights[is_far], [near_sample.min(), near_sample.max()]])))
     if not is_far.any() or (near_sample.size > MIN_DISTINCT_HEIGHTS and not (gaps > max_gap).any()):
         return []
     near_heights = heights[~is_far]
-    far_values, counts = np.unique(heights[is_far], return_counts=True)
-    count_of = dict(zip(far_values.tolist(), counts.tolist(), strict=True))
+    far_heights, counts = np.unique(heights[is_far], return_counts=True)
+    count_by_height = dict(zip(far_heights.tolist(), counts.tolist(), strict=True))
     low_codes, high_codes = (
-        far_values[far_values < near_heights.min()].tolist(),
-        far_values[far_values > near_heights.max()].tolist(),
+        far_heights[far_heights < near_heights.min()].tolist(),
+        far_heights[far_heights > near_heights.max()].tolist(),
     )
     ordered_heights = np.array([*low_codes, near_heights.min(), near_heights.max(), *high_codes])
     if np.unique(near_heights[:1000]).size < MIN_DISTINCT_HEIGHTS:
@@ -190,27 +190,30 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
         candidates.append((code_groups, distances, float(np.ptp(remaining_values))))
     for code_groups, distances, other_range in candidates:
         if (
-            min(sum(count_of[code] for code in codes) for codes in code_groups if codes) >= MIN_MISSING_CODE_REPEATS
+            min(sum(count_by_height[code] for code in codes) for codes in code_groups if codes)
+            >= MIN_MISSING_CODE_REPEATS
             and min(distances) > MIN_MISSING_CODE_DISTANCE * other_range
         ):
             return [
-                (code, count_of[code], gap)
-                for code, gap in zip([*code_groups[0], *code_groups[1]], distances, strict=True)
+                (code, count_by_height[code], distance)
+                for code, distance in zip([*code_groups[0], *code_groups[1]], distances, strict=True)
             ]
     if not can_be_close or np.unique(near_heights[:1000]).size < MIN_COMPARED_HEIGHTS:
         return []
-    min_distance_of = {
+    min_distance_by_code = {
         code: MIN_KNOWN_CODE_DISTANCE
         if _to_number_in_file(code, scan) in KNOWN_MISSING_CODES
         else MIN_REPEATED_CODE_DISTANCE
-        if count_of[code] >= MIN_MISSING_CODE_REPEATS
+        if count_by_height[code] >= MIN_MISSING_CODE_REPEATS
         else math.inf
         for code in {*low_codes[:MAX_MISSING_CODES], *high_codes[-MAX_MISSING_CODES:]}
     }
     for code_groups, distances, other_range in reversed(candidates):
         codes = [*code_groups[0], *code_groups[1]]
-        if all(gap > min_distance_of[code] * other_range for code, gap in zip(codes, distances, strict=True)):
-            return [(code, count_of[code], gap) for code, gap in zip(codes, distances, strict=True)]
+        if all(
+            distance > min_distance_by_code[code] * other_range for code, distance in zip(codes, distances, strict=True)
+        ):
+            return [(code, count_by_height[code], distance) for code, distance in zip(codes, distances, strict=True)]
     return []
 
 
@@ -282,8 +285,8 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
         return
     if scan.heights.ndim == 1:
         # Index of the last height in each run of equal heights.
-        ends = np.flatnonzero(np.diff(scan.heights) != 0)
-        runs = np.diff(ends, prepend=-1, append=scan.heights.size - 1)
+        run_ends = np.flatnonzero(np.diff(scan.heights) != 0)
+        runs = np.diff(run_ends, prepend=-1, append=scan.heights.size - 1)
         longest_run = int(runs.max())
         # Fraction of points whose height equals the height of the previous point, without the longest run.
         equal_fraction = (scan.heights.size - runs.size - (longest_run - 1)) / scan.heights.size

@@ -517,16 +517,16 @@ def _apply_flag_column(table: ColumnTable, columns: Sequence[NameOrIndex] | None
         if table.values.shape[1] < 2 or not any(flag_meanings) or not np.isin(flags, (0.0, 1.0)).all():
             continue
         is_valid, is_invalid, _ = flag_meanings
-        zero_count, one_count = int((flags == 0).sum()), int((flags == 1).sum())
+        num_zeros, num_ones = int((flags == 0).sum()), int((flags == 1).sum())
         other_columns = [index for index in range(table.values.shape[1]) if index != place]
         if not is_valid and not is_invalid:
-            if zero_count and one_count and columns is None:
+            if num_zeros and num_ones and columns is None:
                 raise FormatError(
-                    f"has flags of unknown meaning in column {place} ({printable_text(name)}), {zero_count} zeros and "
-                    f'{one_count} ones; name the column "valid" if 1 marks measured points, or "invalid" if 1 marks '
+                    f"has flags of unknown meaning in column {place} ({printable_text(name)}), {num_zeros} zeros and "
+                    f'{num_ones} ones; name the column "valid" if 1 marks measured points, or "invalid" if 1 marks '
                     "missing points; or choose other columns (--columns) to ignore the flags"
                 )
-            reason = "removed: all its flags are equal" if not (zero_count and one_count) else "is ignored"
+            reason = "removed: all its flags are equal" if not (num_zeros and num_ones) else "is ignored"
             history_entry = f"column {place} ({printable_text(name)}) {reason}"
             return replace(_select_table_columns(table, other_columns), history=(*table.history, history_entry))
         missing = flags == (1 if is_invalid else 0)
@@ -703,13 +703,13 @@ def has_equal_steps(values: Floats, slack: float = 0.0) -> bool:
     if following.size < 4 or not np.isfinite(following).all():
         return False
     steps = np.diff(following)
-    mean = (following[-1] - following[0]) / (following.size - 1)
-    if mean == 0:
+    mean_step = (following[-1] - following[0]) / (following.size - 1)
+    if mean_step == 0:
         return False
-    if np.ptp(steps) <= MAX_STEP_UNEVENNESS * abs(mean):
+    if np.ptp(steps) <= MAX_STEP_UNEVENNESS * abs(mean_step):
         return True
-    deviations = np.abs(following - following[0] - mean * np.arange(following.size))
-    return bool(slack > 0 and deviations.max() <= slack and abs(mean) > MIN_STEP_DIGITS * slack)
+    deviations = np.abs(following - following[0] - mean_step * np.arange(following.size))
+    return bool(slack > 0 and deviations.max() <= slack and abs(mean_step) > MIN_STEP_DIGITS * slack)
 
 
 def _has_equal_steps_as_printed(values: Floats, digits: Callable[[], Floats] | None) -> bool:
@@ -719,8 +719,8 @@ def _has_equal_steps_as_printed(values: Floats, digits: Callable[[], Floats] | N
     if digits is None or values.size < 5 or not np.isfinite(values[1:]).all():
         return False
     steps = np.diff(values[1:])
-    mean = steps.mean()
-    if mean == 0 or not ((steps > 0).all() or (steps < 0).all()) or np.ptp(steps) > abs(mean):
+    mean_step = steps.mean()
+    if mean_step == 0 or not ((steps > 0).all() or (steps < 0).all()) or np.ptp(steps) > abs(mean_step):
         return False
     return has_equal_steps(values, float(np.max(digits()[1:])) * (1 + 1e-9))
 
@@ -739,7 +739,7 @@ def _is_labelled_matrix(table: ColumnTable) -> bool:
 def _read_labelled_matrix(table: ColumnTable) -> RawHeights:
     reject_separate_blocks(table.block_lengths, table.block_lines)
     x, y = table.values[0, 1:], table.values[1:, 0]
-    dx, dy = (float(value[-1] - value[0]) / (value.size - 1) for value in (x, y))
+    dx, dy = (float(axis_positions[-1] - axis_positions[0]) / (axis_positions.size - 1) for axis_positions in (x, y))
     heights = table.values[1:, 1:][:: 1 if dy > 0 else -1, :: 1 if dx > 0 else -1]
     return _to_raw_heights(
         table, np.ascontiguousarray(heights), _choose_common_unit(table, _list_column_units(table)[1:]),
@@ -775,7 +775,7 @@ def _is_xyz_table(table: ColumnTable) -> bool:
     if not (np.isfinite(x).all() and np.isfinite(y).all()):
         return False
     count = x.size
-    distinct_counts = [np.unique(value).size for value in (x, y)]
+    distinct_counts = [np.unique(coordinates).size for coordinates in (x, y)]
     # In a list of grid points, x and y repeat. In columns of positions and heights, no position repeats.
     return (max(distinct_counts) < count and min(distinct_counts) > 1) or (
         bool(table.names) and max(distinct_counts) == count and min(distinct_counts) > 1
@@ -833,7 +833,7 @@ def _describe_missing_information(table: ColumnTable) -> str:
         )
     ):
         requirements.append("the spacing is required for heights without positions (--spacing)")
-    return "".join(f"; {item}" for item in requirements)
+    return "".join(f"; {requirement}" for requirement in requirements)
 
 
 def _has_ambiguous_columns(table: ColumnTable) -> bool:

@@ -207,25 +207,32 @@ def _parse_spacing_line(
         )
         return UnclearSpacing(line.strip()) if has_length and not is_resolution else None
     declared_numbers = [match.groups()[:4], match.groups()[4:]][: 2 if match[5] else 1]
-    if any("," in item[0] and text.count(",") > len(declared_numbers) * 2 - 1 for item in declared_numbers):
+    if any(
+        "," in number_groups[0] and text.count(",") > len(declared_numbers) * 2 - 1
+        for number_groups in declared_numbers
+    ):
         # The comma may separate two spacings, or may be a decimal mark.
         return UnclearSpacing(line.strip())
     if any(
-        item[2] and not re.fullmatch(f"{_POINT_WORDS}|lines?|rows?|columns?", item[2], re.I)
-        for item in declared_numbers
+        number_groups[2] and not re.fullmatch(f"{_POINT_WORDS}|lines?|rows?|columns?", number_groups[2], re.I)
+        for number_groups in declared_numbers
     ):
         # The length may be a height resolution in nm per bit.
         return None
-    if is_resolution and not any(item[2] for item in declared_numbers):
+    if is_resolution and not any(number_groups[2] for number_groups in declared_numbers):
         # The line declares the resolution of the instrument, not the spacing.
         return None
-    units = [item[1] or declared_numbers[-1][1] or bracketed_unit for item in declared_numbers]
-    lengths = [parse_length(item[0], unit, line=line) for item, unit in zip(declared_numbers, units, strict=True)]
+    units = [number_groups[1] or declared_numbers[-1][1] or bracketed_unit for number_groups in declared_numbers]
+    lengths = [
+        parse_length(number_groups[0], unit, line=line)
+        for number_groups, unit in zip(declared_numbers, units, strict=True)
+    ]
     parsed_lengths = [length for length in lengths if length is not None]
     if len(parsed_lengths) < len(declared_numbers):
         return _parse_bare_number(declared_numbers[0][0]) if len(declared_numbers) == 1 and not any(units) else None
     axes = [
-        (item[3] or ("y" if re.match("line|row", item[2] or "", re.I) else "")).casefold() for item in declared_numbers
+        (number_groups[3] or ("y" if re.match("line|row", number_groups[2] or "", re.I) else "")).casefold()
+        for number_groups in declared_numbers
     ]
     if len(declared_numbers) == 2 and sorted(axes) == ["", "y"]:
         axes = [axis or "x" for axis in axes]
@@ -270,8 +277,8 @@ def _are_equal(first: DeclaredLength, second: DeclaredLength) -> bool:
 
 
 def _pair_if_complete(pair: Sequence[_T | None]) -> tuple[_T, _T] | None:
-    first, second = pair
-    return None if first is None or second is None else (first, second)
+    along_y, along_x = pair
+    return None if along_y is None or along_x is None else (along_y, along_x)
 
 
 def parse_bracketed_length(match: re.Match[str]) -> DeclaredLength | None:

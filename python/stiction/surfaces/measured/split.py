@@ -274,8 +274,8 @@ def _interpret_commas(text: DecodedText, first: int, sample: list[str], dialect:
     """Decide whether commas separate cells, mark decimals, or both, and return the resulting dialect."""
     rows = [dialect.split_line(line) for line in sample]
     width = len(rows[0])
-    odd_cells = [cell for row in rows for cell in row[1::2]]
-    if width % 2 or not odd_cells or not all(re.fullmatch(r"[0-9]+", cell) for cell in odd_cells):
+    possible_decimals = [cell for row in rows for cell in row[1::2]]
+    if width % 2 or not possible_decimals or not all(re.fullmatch(r"[0-9]+", cell) for cell in possible_decimals):
         return dialect
     if not all(re.fullmatch(r"[+-]?[0-9]+", cell) for row in rows for cell in row):
         return dialect
@@ -284,7 +284,7 @@ def _interpret_commas(text: DecodedText, first: int, sample: list[str], dialect:
         return dialect
     if len(Dialect(",", ".").split_line(_find_line_above_table(text, first).lstrip("#%!/ "))) == width // 2:
         return Dialect(",", ",", pairs=True)
-    if any(len(cell) > 1 and cell.startswith("0") for cell in odd_cells):
+    if any(len(cell) > 1 and cell.startswith("0") for cell in possible_decimals):
         raise FormatError(
             f"{text.describe_line(first)} has commas between cells and apparently before decimals; "
             "export it with semicolons or tabs, or with decimal points"
@@ -465,7 +465,7 @@ _BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")
 
 def _has_adjacent_dashes(blob: bytes) -> bool:
     """Return whether a text contains two adjacent dashes, by a test that is faster than a text search."""
-    byte_pairs = (np.frombuffer(blob, np.uint16, (len(blob) - first) // 2, first) for first in (0, 1))
+    byte_pairs = (np.frombuffer(blob, np.uint16, (len(blob) - first_byte) // 2, first_byte) for first_byte in (0, 1))
     return len(blob) >= 2 and any((pairs_at_offset == _TWO_DASHES).any() for pairs_at_offset in byte_pairs)
 
 

@@ -207,11 +207,11 @@ def _find_units(words: Iterable[str]) -> tuple[str, ...]:
 
 def make_height_provenance(block: NumberBlock) -> HeightProvenance:
     """Return line range, encoding, separator and decimal mark of a matrix of numbers in a text."""
-    text, first, end = block.text, int(block.lines[0]), int(block.lines[-1]) + 1
+    text, first_line, end = block.text, int(block.lines[0]), int(block.lines[-1]) + 1
     decimal_mark = "." if block.dialect.pairs else block.dialect.point
     return HeightProvenance(
-        encoding=text.encoding, separator=str(block.dialect), decimal_mark=decimal_mark, lines=(first + 1, end),
-        lines_above=len(text.nonempty_lines(0, first)) if first < 10_000 else first,
+        encoding=text.encoding, separator=str(block.dialect), decimal_mark=decimal_mark, lines=(first_line + 1, end),
+        lines_above=len(text.nonempty_lines(0, first_line)) if first_line < 10_000 else first_line,
         lines_below=int(np.count_nonzero(text.line_kinds[end:])),
     )  # fmt: skip
 

@@ -76,10 +76,10 @@ def _read(text: DecodedText) -> RawHeights:
     assert index is not None
     name, digits, unit = rows[index]
     spacing = parse_positive_number(digits, f"for {printable_text(name, 40)!r} in its header")
-    pairs = [row for row in rows[index + 1 :] if len(row) == 2]
-    counts = [int(row[1]) for row in pairs if re.fullmatch("[0-9]{1,6}", row[1])][:2]
+    two_cell_rows = [row for row in rows[index + 1 :] if len(row) == 2]
+    counts = [int(row[1]) for row in two_cell_rows if re.fullmatch("[0-9]{1,6}", row[1])][:2]
     height_unit = next(
-        (row[1] for row in pairs if is_unit(row[1]) and not _UNSIGNED_NUMBER_PATTERN.fullmatch(row[1])), None
+        (row[1] for row in two_cell_rows if is_unit(row[1]) and not _UNSIGNED_NUMBER_PATTERN.fullmatch(row[1])), None
     )
     runs = find_numeric_line_runs(text)
     first, last = max(runs, key=lambda run: int(text.line_starts[run[1] + 1] - text.line_starts[run[0]]))

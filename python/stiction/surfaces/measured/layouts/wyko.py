@@ -47,14 +47,14 @@ def _read(text: DecodedText) -> RawHeights:
     header = {}
     first_line = None
     for index in range(min(len(text), 2000)):
-        field_name, *rest = (
+        field_name, *further_cells = (
             text.line(index).split("\t") if "\t" in text.line(index) else re.split(r"\s{2,}", text.line(index))
         )
         if field_name.strip() in _HEIGHT_BLOCK_NAMES:
             first_line = index + 1
             break
-        if rest:
-            header[field_name.strip().casefold()] = rest[-1].strip()
+        if further_cells:
+            header[field_name.strip().casefold()] = further_cells[-1].strip()
     if first_line is None:
         raise FormatError(f"lacks a block of heights ({', '.join(_HEIGHT_BLOCK_NAMES)})")
     columns, rows = parse_header_integer(header, "X Size"), parse_header_integer(header, "Y Size")
