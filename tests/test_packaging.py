@@ -100,8 +100,13 @@ def test_core_extension_requires_no_symbols_that_the_oldest_supported_systems_la
     core = Path(stiction._core.__file__)
     assert b"GLIBCXX_3.4\0" in core.read_bytes()
     # The assertions of the standard library call a function of GCC 12. Wheels are built without assertions.
-    allowed_versions = {"GLIBCXX_3.4.30"} if os.environ.get("STICTION_ASSERTIONS") else set()
+    allowed_versions = {"GLIBCXX_3.4.30"} if os.environ.get("STICTION_ASSERTIONS") == "ON" else set()
     assert set(sys.modules["prove"].find_newer_symbol_versions(core)) <= allowed_versions
+
+
+def test_core_extension_contains_assertions_only_if_the_build_enables_them():
+    contains_assertions = b"__assert_fail" in Path(stiction._core.__file__).read_bytes()
+    assert contains_assertions == (os.environ.get("STICTION_ASSERTIONS") == "ON")
 
 
 def test_symbol_check_lists_symbol_versions_above_the_supported_versions(release_script, tmp_path):
