@@ -1,6 +1,8 @@
 """Test that interrupted members continue with the same bits, and that their progress is shown."""
 
+import shutil
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -240,3 +242,18 @@ def test_progress_of_the_solution_of_a_pair_is_printed_without_a_terminal(study,
     assert percentages == sorted(percentages)
     assert any(0 < percentage < 100 for percentage in percentages)
     assert any(line.endswith(" left") for line in lines)
+
+
+def test_steps_of_other_solver_code_have_another_key(tmp_path, monkeypatch):
+    key = members_in_progress.compute_steps_key("study")
+    modules = Path(members_in_progress.mechanics.__file__).parent
+    shutil.copytree(modules, tmp_path / "mechanics", ignore=shutil.ignore_patterns("__pycache__"))
+    with monkeypatch.context() as patch:
+        patch.setattr(members_in_progress.mechanics, "__file__", str(tmp_path / "mechanics/__init__.py"))
+        members_in_progress._hash_solver_modules.cache_clear()
+        assert members_in_progress.compute_steps_key("study") == key
+        with (tmp_path / "mechanics/adhesion.py").open("a", encoding="utf-8") as file:
+            file.write("# another way of solving\n")
+        members_in_progress._hash_solver_modules.cache_clear()
+        assert members_in_progress.compute_steps_key("study") != key
+    members_in_progress._hash_solver_modules.cache_clear()

@@ -20,13 +20,14 @@ import time
 import zipfile
 import zlib
 from collections.abc import Callable, Container
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 
 import numpy as np
 
 import stiction._core as _core
 import stiction._files as _files
+from stiction import mechanics
 from stiction._core import __version__
 from stiction._errors import NoSolutionError
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
@@ -98,10 +99,17 @@ def compute_steps_key(inputs: str) -> str:
     import scipy
 
     checksum_inputs = (
-        inputs, __version__, sorted(_core.build().items()), np.__version__, scipy.__version__, platform.node(),
-        platform.machine(),
+        inputs, __version__, sorted(_core.build().items()), _hash_solver_modules(), np.__version__, scipy.__version__,
+        platform.node(), platform.machine(),
     )  # fmt: skip
     return hashlib.sha256(repr(checksum_inputs).encode()).hexdigest()[:16]
+
+
+@cache
+def _hash_solver_modules() -> str:
+    """Return a checksum of the Python modules that decide which steps a solution consists of."""
+    modules = sorted(Path(mechanics.__file__).parent.glob("*.py"))
+    return hashlib.sha256(b"".join(path.read_bytes() for path in modules)).hexdigest()
 
 
 def stored_record(directory: Path, member: int, key: str) -> SolutionRecord:
