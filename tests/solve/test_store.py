@@ -330,7 +330,7 @@ def test_result_of_another_version_can_be_read_but_not_continued(directory_copy,
 def test_stored_result_is_not_continued_if_its_load_steps_differ_from_those_of_the_study(directory_copy, monkeypatch):
     steps = type(TINY_STUDY.contact).loading_steps
     monkeypatch.setattr(type(TINY_STUDY.contact), "loading_steps", lambda self: steps(self) * (1 + 2e-16))
-    with pytest.raises(StoreError, match="so its steps differ slightly"):
+    with pytest.raises(StoreError, match="so its coordinates, such as loads, differ slightly"):
         run(with_repetitions(23), store=directory_copy)
 
 

@@ -158,7 +158,7 @@ def read_interface(path: str | Path) -> Interface:
     >>> read_interface("no such file")
     Traceback (most recent call last):
     ...
-    ValueError: no such file cannot be read as an interface: No such file or directory
+    ValueError: cannot read the interface file no such file: No such file or directory
     """
     return Interface.read(path)
 

@@ -668,8 +668,8 @@ def _check_resumable(stored_result: StoredResult) -> None:
     if not content.is_exact:
         raise StoreError(
             f"{printable_path(path)} was created on another machine or with another version of NumPy, so its "
-            "steps differ slightly from the steps of the study; finish the result with the original machine "
-            "and NumPy, or choose another directory"
+            "coordinates, such as loads, differ slightly from the coordinates of the study; finish the result on the "
+            "original machine with the original version of NumPy, or choose another directory"
         )
 
 

@@ -190,7 +190,7 @@ class InterfaceStrength:
             raise ValueError(f"{printable_path(path)} is not an interface file: {error}") from None
         except OSError as error:
             raise ValueError(
-                f"{printable_path(path)} cannot be read as an interface: {describe_os_error(error)}"
+                f"cannot read the interface file {printable_path(path)}: {describe_os_error(error)}"
             ) from None
         except UnicodeDecodeError:
             raise ValueError(
@@ -516,14 +516,14 @@ def _format_interface(interface: InterfaceStrength, about: Mapping[str, str]) ->
         "separated": "yes" if interface.separated else "no",
     }
     fits_at_bounds = interface.fits[0].fits_at_bounds
+    reserved_keys = [*header, *BOUND_HEADER_ENTRIES.values()]
     header |= {BOUND_HEADER_ENTRIES[name]: str(fit.mu0.size) for name, fit in fits_at_bounds.items()}
     for key, value in {**interface.about, **about}.items():
         text = " ".join(str(value).split())
-        is_reserved = key in header or key in BOUND_HEADER_ENTRIES.values()
-        if not key.strip() or is_reserved or ": " in f"{key} " or key != printable_text(key):
+        if not key.strip() or key in reserved_keys or ": " in f"{key} " or key != printable_text(key):
             raise ValueError(
-                "each key of `about` must be printable and have no colon, and must not be sliding, area_per_load, "
-                f"variation or separated, got {short_repr(key)}"
+                "each key of `about` must be printable and have no colon, and must not be "
+                f"{', '.join(map(repr, reserved_keys[:-1]))} or {reserved_keys[-1]!r}, got {short_repr(key)}"
             )
         header[key] = printable_text(text, len(text))
     file_text, fit = io.StringIO(), interface.fits[0]

@@ -257,7 +257,7 @@ class GapMemberSource:
     def member(self, index: int) -> EnsembleMember:
         """Return the only member: the flat face and the rough face."""
         if index > 0:
-            raise ValueError(f"a gap has only member 0, got member {index}")
+            raise ValueError(f"member of a gap must be 0, because a gap has a single relative position, got {index}")
         return EnsembleMember((self.flat, self.rough), 0.0, 0.0)
 
     def find_shared_properties(self) -> SharedMemberProperties:

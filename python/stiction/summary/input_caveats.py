@@ -48,7 +48,8 @@ INSTRUMENT_LIMIT_REASON_TEXTS = {
 
 # Above this ratio of height to length of a scan, the unit of the heights must be wrong.
 MAX_HEIGHT_OVER_EXTENT = 10.0
-# Largest plausible mu0. Published coefficients are smaller, even those of clean metals in vacuum.
+# Largest plausible mu0. A larger number is probably a percentage.
+# Friction coefficients of clean metals in vacuum can be larger, but because of adhesion and junction growth (tau0).
 MAX_PLAUSIBLE_MU0 = 2.0
 
 MAX_FORM_FRACTION = 0.6
@@ -144,7 +145,7 @@ def find_input_caveats(
     caveats = [replace(caveat, remedy=_adapt_remedy_to_max_cutoff(caveat, longest_cutoff)) for caveat in caveats]
     mu0 = max(float(value) for value in study.friction.mu0)
     if mu0 > MAX_PLAUSIBLE_MU0:
-        text = f"μ0 = {mu0:g} is larger than μ0 of any known pair of materials"
+        text = f"μ0 = {mu0:g} is above {MAX_PLAUSIBLE_MU0:g}, the largest plausible μ0"
         caveats.append(Caveat(text, "specify μ0 as a fraction, not in per cent", "caution"))
     interface = find_interface(study)
     if interface is not None and interface.has_unknown_range:
