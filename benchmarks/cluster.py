@@ -56,7 +56,7 @@ _sums_by_path: dict[str, list[dict]] = {}
 
 
 def randomise_sums(sums: dict) -> list[dict]:
-    """Return the contact sums of a repetition with random last digits, so that they compress like real sums."""
+    """Return copies of the contact sums of a repetition with random changes, which compress like real sums."""
     generator = np.random.default_rng(0)
 
     def change_digits(values: np.ndarray) -> np.ndarray:

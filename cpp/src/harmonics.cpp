@@ -294,11 +294,11 @@ void product(const Eigen::Map<const Matrix>& weights, const double* values, doub
   }
 }
 
-// Number of points in a run of points along an axis. Each run is computed from the phase at its first point.
+// Number of consecutive points along an axis whose cosines and sines are computed from the phase at the first point.
 constexpr Index points_per_run = 64;
 static_assert(block % points_per_run == 0);
 
-// Rotate a table of cosines and sines by the phase of the first point of a run of points.
+// Rotate a table of cosines and sines for consecutive points by the phase at the first point.
 // Adding the phase difference from point to point would accumulate round-off.
 STICTION_MULTIVERSION
 void rotate_table(const double* table_cos, const double* table_sin, double c, double s, double* cosines,

@@ -36,7 +36,7 @@ struct CellRange {
 /// A minimum at the edge of the range of cells may belong to a cell outside the range.
 ///
 /// The search is exhaustive: each cell is subdivided until each part is known to have no minimum or to be convex.
-/// The signs of the Bernstein coefficients prove that a part of a cell has no minimum, or that the spline is convex.
+/// The signs of the Bernstein coefficients can prove that a part of a cell has no minimum, or is convex.
 /// In a convex part of a cell, Newton's method finds the only possible minimum.
 /// Parts with a side of 1/64 of a cell may remain undecided, for example where a minimum is about to vanish.
 /// In an undecided part of a cell, Newton's method shows whether there is a minimum.

@@ -120,6 +120,7 @@ class _FrictionTestSums:
     # Checksum of the surfaces. Tests with equal checksums have the same error of the area.
     surfaces: str = ""
     hardness: float = math.nan
+    # Ratio of the true to the computed contact area. None if the ratio is always 1.
     area_factor: AreaFactor | None = None
 
 

@@ -1,1 +1,1 @@
-"""Quantities and their intervals, evaluated from the contact sums of the members."""
+"""Quantities and their intervals, evaluated from contact sums: forces and areas summed over a member's contacts."""

@@ -30,7 +30,7 @@ def grid_slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) 
 
 @dataclass(frozen=True, eq=False)
 class PatchSums:
-    """Sums over each patch of k contacts, from which normal and tangential load follow for any mu0 and tau0.
+    """Force and area sums of each patch of k contacts, from which both loads follow for any mu0 and tau0.
 
     Patches are stored contact by contact. Arrays have the shape (patches,) or, if they depend on the direction,
     (directions, patches).

@@ -87,7 +87,7 @@ STUDY_FILE = "study.toml"
 # Name of the file of a shear test, which is not the result of a study.
 SHEAR_TEST_FILE_NAME = "shear.nc"
 BLOCKS_DIRECTORY = "blocks"
-# Name of the file in which earlier versions stored true areas at other hardnesses.
+# Name of the file in which earlier versions of stiction stored true areas at hardnesses other than that of the study.
 AREAS_BY_HARDNESS_FILE = "hardness.nc"
 # Name of the file with the contact map of a typical member.
 CONTACT_PICTURE_FILE = "picture.nc"

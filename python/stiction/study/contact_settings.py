@@ -552,7 +552,7 @@ class AsperitySettingsForGeneratedSurfaces(AsperityModelSettings, GeneratedSurfa
 
 
 class AsperitySettingsForGeneratedProfiles(AsperitySettingsForGeneratedSurfaces):
-    """Section `[contact]` of the asperity model for generated profiles."""
+    """Section `[contact]` of a study of generated profiles with the asperity model."""
 
     place: ClassVar[str] = "asperities of generated lines"
 
@@ -560,7 +560,7 @@ class AsperitySettingsForGeneratedProfiles(AsperitySettingsForGeneratedSurfaces)
 
 
 class AsperitySettingsForGeneratedMaps(AsperitySettingsForGeneratedSurfaces):
-    """Section `[contact]` of the asperity model for generated height maps."""
+    """Section `[contact]` of a study of generated height maps with the asperity model."""
 
     place: ClassVar[str] = "asperities of generated areas"
 
@@ -568,14 +568,14 @@ class AsperitySettingsForGeneratedMaps(AsperitySettingsForGeneratedSurfaces):
 
 
 class AsperitySettingsForMeasuredLines(AsperityModelSettings, ContactSettingsForMeasuredLines):
-    """Section `[contact]` of the asperity model for measured profiles and scan lines of maps."""
+    """Section `[contact]` of a study of measured profiles and scan lines of maps with the asperity model."""
 
     place: ClassVar[str] = "asperities of measured lines"
     onset: ClassVar[None] = None
 
 
 class AsperitySettingsForMeasuredMaps(AsperityModelSettings, ContactSettingsForMeasuredMaps):
-    """Section `[contact]` of the asperity model for measured height maps."""
+    """Section `[contact]` of a study of measured height maps with the asperity model."""
 
     place: ClassVar[str] = "asperities of measured areas"
     onset: ClassVar[None] = None
@@ -584,25 +584,25 @@ class AsperitySettingsForMeasuredMaps(AsperityModelSettings, ContactSettingsForM
 
 
 class HalfSpaceSettingsForGeneratedProfiles(HalfSpaceSettings, GeneratedSurfaceLoadSettings):
-    """Section `[contact]` of the half-plane model for generated profiles."""
+    """Section `[contact]` of a study of generated profiles with the half-plane model."""
 
     place: ClassVar[str] = "the half-space of generated lines"
 
 
 class HalfSpaceSettingsForGeneratedMaps(HalfSpaceSettings, GeneratedSurfaceLoadSettings):
-    """Section `[contact]` of the half-space model for generated height maps."""
+    """Section `[contact]` of a study of generated height maps with the half-space model."""
 
     place: ClassVar[str] = "the half-space of generated areas"
 
 
 class HalfSpaceSettingsForMeasuredLines(HalfSpaceSettings, ContactSettingsForMeasuredLines):
-    """Section `[contact]` of the half-plane model for measured profiles and scan lines of maps."""
+    """Section `[contact]` of a study of measured profiles and scan lines of maps with the half-plane model."""
 
     place: ClassVar[str] = "the half-space of measured lines"
 
 
 class HalfSpaceSettingsForMeasuredMaps(HalfSpaceSettings, ContactSettingsForMeasuredMaps):
-    """Section `[contact]` of the half-space model for measured height maps."""
+    """Section `[contact]` of a study of measured height maps with the half-space model."""
 
     place: ClassVar[str] = "the half-space of measured areas"
 

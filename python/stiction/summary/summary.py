@@ -738,7 +738,7 @@ def _get_point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, flo
 
 
 def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: SlidingRuleCoefficient) -> float | None:
-    """Return the contribution of roughness to a coefficient under the rule "all".
+    """Return the contribution of roughness to the friction coefficient if friction acts at all contacts.
 
     Returns None if it is unknown.
 

@@ -659,7 +659,7 @@ def _find_noise_and_texture(
         return _NoiseAndTexture(math.nan, kind, 0.0, period)
     is_unattributed = q * wavelength_limit > 2 * math.pi
     mean_square_slope = float((np.square(q) * density)[is_unattributed].sum() * (q[1] - q[0]) / math.pi)
-    # A noise floor has the same density at all wave numbers as at the end of the spectrum.
+    # A noise floor is white: its density at all wave numbers is the mean density at the largest wave numbers.
     if kind in INSTRUMENT_REASONS:
         floor_density = float(density[q * math.sqrt(2) > q[-1]].mean())
         mean_square_slope = min(mean_square_slope, floor_density * float(np.square(q).sum() * (q[1] - q[0])) / math.pi)

@@ -105,7 +105,7 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
 
 
 def _quantity_columns(dataset: xarray.Dataset, name: str) -> dict[str, Any]:
-    """Return the columns of `_quantity_rows` by name: an array, or one value that all rows have.
+    """Return the columns of `_quantity_rows` by name, each as an array or as a single value for all rows.
 
     The columns are created from NumPy arrays, because xarray datasets are ten times slower.
     """

@@ -407,7 +407,7 @@ def _are_finer_scans_relevant(point: PointSummary) -> bool:
 
 
 def roughness_text(point: PointSummary) -> str:
-    """Return a sentence on what roughness contributes, and on the inputs that determine the rest of friction.
+    """Return a sentence on the contribution of roughness to friction, and on the inputs that determine the rest.
 
     The text is empty if the contribution is unknown.
     """

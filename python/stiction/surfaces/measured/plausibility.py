@@ -38,13 +38,13 @@ MAX_SAMPLED_HEIGHTS = 65_536
 MIN_COMPARED_HEIGHTS = 20
 # Number of neighbouring heights, on each side, with which the frequency of a height is compared.
 NUM_NEIGHBOURS = 12
-# A height is unusually frequent if it occurs at least MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) times.
-# The symbol m stands for the median frequency of similar heights.
+# Let m be the median frequency of similar heights. A height is unusually frequent if it occurs at least
+# MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) times.
 MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
 # Smallest and largest fraction of points with the same height for a caveat about an unusually frequent height.
 MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4
+# Let m be the largest mean frequency of the NUM_NEAREST_HEIGHTS heights on each side of 0.
 # Zeros are unusually frequent if their number is at least 2 m + MIN_ZERO_DEVIATIONS · sqrt(2 m) + MIN_ZEROS.
-# The symbol m stands for the largest mean frequency of the NUM_NEAREST_HEIGHTS heights on each side of 0.
 MIN_ZERO_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
 # Repeated rows cause a caveat up to this fraction of the rows.
 # With more repeated rows, the map is probably a profile that was extended along y.
@@ -70,7 +70,7 @@ class ScannedHeights:
     spacing: tuple[float, ...]
     # Conversion factor from the numbers in the file to µm.
     factor: float = 1.0
-    # False for a body in memory. Its heights may be computed, so some checks do not apply.
+    # False for heights that were passed as an array. They may be computed, so some checks do not apply.
     from_file: bool = True
     # Range (µm) of the heights in the header of the file.
     declared_range: float | None = None

@@ -417,7 +417,7 @@ def _find_row_lines(text: DecodedText, first: int, last: int, dialect: Dialect) 
 
 
 def _to_plain_rows(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> tuple[bytes, bytes]:
-    """Convert table rows to a plain form, with decimal points and without quotes or blanks.
+    """Convert table rows to a plain form, with decimal points, and without quotes and surrounding spaces.
 
     Returns the rows and the cell separator. Each row ends with a line feed. A text that already has this form is
     returned without a copy.

@@ -132,7 +132,7 @@ def _find_polar_angle_of_labels(degrees: Floats) -> float:
 
 
 def positions_figure(point: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure 80 mm wide: friction of each member in each direction.
+    """Draw a figure 80 mm wide: friction of each member, such as each position, in each direction of motion.
 
     `point` comes from `evaluate_positions`. Members of a single traverse are drawn against the offset, other members in
     ascending order. Directions are not averaged, because a test slides in one direction.

@@ -364,7 +364,7 @@ def _compute_cell_edges(centres: Floats) -> Floats:
 
 
 def area_figure(points: xarray.Dataset, study: Study) -> Figure:
-    """Draw true area and area/load over load with 95 % intervals, in one row of panels per amplitude.
+    """Draw true area and area per load against load with 95 % intervals, in one row of panels per amplitude.
 
     `points` comes from `evaluate_area_over_load`.
     """
@@ -401,7 +401,7 @@ def area_figure(points: xarray.Dataset, study: Study) -> Figure:
 
 
 def _draw_area_curves(axes: list[Axes], areas: xarray.Dataset, *, label_distance: float) -> None:
-    """Draw true area and area/load over load, one curve per fractal dimension, with labels at the left ends."""
+    """Draw true area and area per load against load, one curve per fractal dimension, with labels at the left ends."""
     load, dimensions = areas["load"].values, areas["fractal_dimension"].values
     areas = areas.transpose("fractal_dimension", "load", ...)
     area, lower, upper = (areas["contact_area"].sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS)

@@ -1,4 +1,4 @@
-"""Figures of friction and contact area over load or cutoff, of joint closure, and of adhesive loading cycles."""
+"""Figures of friction and contact area against load or cutoff, of joint closure, and of adhesive loading cycles."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ INTERVAL_BAND_LEGENDS = {
 
 
 def friction_by_load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, title: str = "") -> Figure:
-    """Draw a figure 80 mm wide: friction coefficient and true contact area over load.
+    """Draw a figure 80 mm wide: friction coefficient and true contact area against load.
 
     `points` is a dataset from `add_uncertainty` for one cutoff, mu0 and tau0. The loads of the study (mN) are marked.
     The bands of friction are the combined interval and, in a darker colour, the interval of the mean over positions.

@@ -44,7 +44,7 @@ LOAD_CYCLE_COLOURS = ("0.55", FRICTION_COLOUR)
 
 
 def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure 80 mm wide: tangential load over displacement, load cycles, and slipping fractions over load.
+    """Draw a figure 80 mm wide: tangential load against displacement, load cycles, and slipping fractions against load.
 
     `onset` comes from `compute_onset`. A half-plane has no displacement, so only the slipping fractions are drawn.
     """

@@ -36,7 +36,7 @@ def encode_doubles(values: ArrayLike, num_leading_bytes: int) -> str:
 
 
 def encode_small_integers(values: NDArray[np.int8]) -> str:
-    """Encode whole numbers from -128 to 127 as text."""
+    """Compress whole numbers from -128 to 127, one byte each, and encode the bytes as base64 text."""
     return base64.b64encode(zlib.compress(values.tobytes(), _COMPRESSION_LEVEL)).decode("ascii")
 
 
