@@ -59,12 +59,12 @@ def randomise_sums(sums: dict) -> list[dict]:
     """Return copies of the contact sums of a repetition with random changes, which compress like real sums."""
     generator = np.random.default_rng(0)
 
-    def change_digits(values: np.ndarray) -> np.ndarray:
+    def randomise_values(values: np.ndarray) -> np.ndarray:
         if values.dtype.kind == "i":
             return values + (values > 0) * generator.integers(0, 9, values.shape)
         return values * generator.lognormal(0, 0.5, values.shape)
 
-    return [{name: change_digits(values) for name, values in sums.items()} for _ in range(NUM_DIFFERENT_MEMBERS)]
+    return [{name: randomise_values(values) for name, values in sums.items()} for _ in range(NUM_DIFFERENT_MEMBERS)]
 
 
 def measure_storage_rates(

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from stiction import half_space, self_affine_surface, write_surface
-from stiction.companions.onset import NUM_AREAL_ONSET_MEMBERS, compute_member_onset
+from stiction.companions.onset import NUM_ONSET_MEMBERS_FOR_MAPS, compute_member_onset
 from stiction.companions.resolution import CUTOFF_STUDY_DIRECTORY
 from stiction.solve.store import open_stored_result
 from stiction.study.members import load_bodies
@@ -64,7 +64,7 @@ def prepare_load_solver(study: Study) -> Callable[[], None]:
 
 def compute_member_onsets(study: Study) -> None:
     load, mu0, tau0 = (float(item[0]) for item in (study.friction.load, study.friction.mu0, study.friction.tau0))
-    for member in range(NUM_AREAL_ONSET_MEMBERS):
+    for member in range(NUM_ONSET_MEMBERS_FOR_MAPS):
         onset = compute_member_onset(
             study, member, load=load, mu0=mu0, tau0=tau0, cut_off=study.surfaces.reported_cut_off()
         )
@@ -99,7 +99,7 @@ def run_benchmark() -> list[tuple[str, str]]:
     return [
         ("stiction pair, two maps of 512 x 512: processor time, wall time", f"{command_time:.1f} s, {wall_time:.1f} s"),
         ("half-space solutions alone: positions, cutoffs", f"{position_time:.1f} s, {cutoff_time:.1f} s"),
-        (f"onset of sliding of {NUM_AREAL_ONSET_MEMBERS} members", f"{onset_time:.1f} s"),
+        (f"onset of sliding of {NUM_ONSET_MEMBERS_FOR_MAPS} members", f"{onset_time:.1f} s"),
         (
             "time of the command relative to its solutions and onsets",
             f"{command_time / (position_time + cutoff_time + onset_time):.2f}",

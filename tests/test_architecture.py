@@ -42,7 +42,7 @@ MODULES_WITH_THE_FRICTION_LAW = {"mechanics/friction.py", "calibration/fit.py"}
 """Modules that multiply mu0 or tau0: the friction law, and the linear equations that a calibration solves for both."""
 
 
-def multiplies_strength(node):
+def multiplies_mu0_or_tau0(node):
     if not (isinstance(node, ast.BinOp) and isinstance(node.op, (ast.Mult, ast.Div))):
         return False
     # Accept divisions by mu0 or tau0, which only compare a value with mu0 or tau0.
@@ -55,7 +55,9 @@ def multiplies_strength(node):
 def test_friction_law_is_the_only_module_that_multiplies_by_mu0_and_tau0():
     sources = {path.relative_to(PACKAGE_DIRECTORY).as_posix(): path for path in PACKAGE_DIRECTORY.rglob("*.py")}
     assert {
-        name for name, path in sources.items() if any(multiplies_strength(node) for node in ast.walk(parse_file(path)))
+        name
+        for name, path in sources.items()
+        if any(multiplies_mu0_or_tau0(node) for node in ast.walk(parse_file(path)))
     } == MODULES_WITH_THE_FRICTION_LAW
 
 

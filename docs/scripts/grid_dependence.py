@@ -30,7 +30,7 @@ CLAIM_POINT_COUNTS = (75_000, 150_000, 300_000)
 MIDDLE_CLAIM_LOAD = 33e-6  # load (mN), the middle load of the other claims
 
 
-def compute_grid_results(detection: str) -> dict[str, np.ndarray]:
+def compute_grid_results(contact_detection: str) -> dict[str, np.ndarray]:
     """Return loads (mN) and area (µm²) at an approach of 10 nm, as arrays (dimension, points, repetition)."""
     columns: dict[str, list[np.ndarray]] = {"load": [], "normal": [], "tangential": [], "area": [], "below": []}
     for points in POINT_COUNTS:
@@ -38,7 +38,7 @@ def compute_grid_results(detection: str) -> dict[str, np.ndarray]:
             {
                 "surfaces.fractal_dimension": FRACTAL_DIMENSIONS,
                 "surfaces.points": points,
-                "contact.detection": detection,
+                "contact.detection": contact_detection,
                 "contact.approach": ["10 nm"],
                 "ensemble.repetitions": 24,
             }
@@ -73,13 +73,13 @@ def ratio_of_means(numerator: np.ndarray, denominator: np.ndarray) -> tuple[np.n
     return ratio, ratio * np.exp(-half_width), ratio * np.exp(half_width)
 
 
-def compute_resampled_areas(detection: str) -> list[np.ndarray]:
+def compute_resampled_areas(contact_detection: str) -> list[np.ndarray]:
     """Return the area (µm²) at `MIDDLE_CLAIM_LOAD` for each number of grid points, as arrays (resample, D).
 
     The studies have the same seed, so that each resample consists of the same repetitions for every number of points.
     """
     study = Study().with_changes(
-        {"surfaces.fractal_dimension": FRACTAL_DIMENSIONS[:-1], "contact.detection": detection}
+        {"surfaces.fractal_dimension": FRACTAL_DIMENSIONS[:-1], "contact.detection": contact_detection}
     )
     return [
         ResampledMeans(run(study.with_changes({"surfaces.points": points})).dataset, 0.1).evaluate_at(
@@ -92,11 +92,13 @@ def compute_resampled_areas(detection: str) -> list[np.ndarray]:
 def write_claim_table() -> None:
     """Write the ratios of true areas at half and double resolution, with 95 % intervals."""
     ratios_by_column = []
-    for detection in ("cell", "gap-minimum"):
-        coarse_areas, default_areas, fine_areas = compute_resampled_areas(detection)
+    for contact_detection in ("cell", "gap-minimum"):
+        coarse_areas, default_areas, fine_areas = compute_resampled_areas(contact_detection)
         ratios_by_column += [coarse_areas / default_areas, default_areas / fine_areas]
     column_titles = [
-        f"{ratio}, {detection}" for detection in ("cell", "gap-minimum") for ratio in ("75 / 150", "150 / 300")
+        f"{ratio}, {contact_detection}"
+        for contact_detection in ("cell", "gap-minimum")
+        for ratio in ("75 / 150", "150 / 300")
     ]
     lines = [f"| D | {' | '.join(column_titles)} |", "|---" * (1 + len(column_titles)) + "|"]
     for index, dimension in enumerate(FRACTAL_DIMENSIONS[:-1]):
@@ -115,7 +117,9 @@ def main() -> None:
 
 
 def draw_figure() -> None:
-    results = {detection: compute_grid_results(detection) for detection in ("cell", "gap-minimum")}
+    results = {
+        contact_detection: compute_grid_results(contact_detection) for contact_detection in ("cell", "gap-minimum")
+    }
     figure = Figure(figsize=(PAGE_WIDTH, 115 * INCHES_PER_MILLIMETRE), layout="constrained")
     axes = figure.subplots(2, 3, sharex=True)
     lines = [
@@ -124,7 +128,7 @@ def draw_figure() -> None:
         "| fraction of the load on radii below the spacing, 150 000 points |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
-    for row, (detection, sums) in enumerate(results.items()):
+    for row, (contact_detection, sums) in enumerate(results.items()):
         load, normal_load = sums["load"].mean(axis=2), sums["normal"].mean(axis=2)
         ratios = (
             ratio_of_means(sums["load"], sums["load"][:, [-1]]),
@@ -148,8 +152,8 @@ def draw_figure() -> None:
                 for k in (0, 2, 4)
             ]
             below_text = f"{100 * sums['below'][dimension_index, 2].sum():.0f} %"
-            lines.append(f"| {dimension:.1f} | {detection} | {' | '.join(shown_loads)} | {below_text} |")
-        axes[row, 0].set_ylabel(f"{detection}\n$\\Sigma F n_z$ / that at 600 000 points")
+            lines.append(f"| {dimension:.1f} | {contact_detection} | {' | '.join(shown_loads)} | {below_text} |")
+        axes[row, 0].set_ylabel(f"{contact_detection}\n$\\Sigma F n_z$ / that at 600 000 points")
         axes[row, 1].set_ylabel("$A$ / that at 600 000 points")
         axes[row, 2].set_ylabel(r"coefficient of static friction $\mu_s$")
     for ax in axes.flat:

@@ -68,7 +68,7 @@ def compute_coarser_cutoffs():
             save_results("settling", results)
 
 
-def compute_brackets():
+def compute_bracket_tests():
     """Compute many smaller pairs with a hardness, to test bounds for finer scans that coarse results give."""
     results = []
     for hurst in HURST_EXPONENTS:
@@ -413,7 +413,7 @@ def render_spectrum_rows(joined_results):
 
 
 def write_page():
-    coarser_cutoffs, brackets, extrapolations, joined_results = (
+    coarser_cutoffs, bracket_tests, extrapolations, joined_results = (
         load_results(name) for name in ("settling", "bracketing", "continuing", "joining")
     )
     rows_by_exponent = {hurst: [row for row in coarser_cutoffs if row["hurst"] == hurst] for hurst in HURST_EXPONENTS}
@@ -431,7 +431,7 @@ def write_page():
         *render_rows_of_bounds(
             {
                 f"{LARGE_MAP_SIDE_POINTS}², 4 to 64 points": coarser_cutoffs,
-                f"{LARGE_MAP_SIDE_POINTS // 4}², 4 to 16 points": brackets,
+                f"{LARGE_MAP_SIDE_POINTS // 4}², 4 to 16 points": bracket_tests,
             }
         ),
         "",
@@ -485,7 +485,7 @@ def draw_figure(rows_by_exponent):
 if __name__ == "__main__":
     functions_by_result = {
         "settling": compute_coarser_cutoffs,
-        "bracketing": compute_brackets,
+        "bracketing": compute_bracket_tests,
         "continuing": compute_extrapolations,
         "joining": compute_joined_spectrum,
     }

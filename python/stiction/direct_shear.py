@@ -45,7 +45,7 @@ from stiction.surfaces.preparation import count_flips, flipped, levelled, on_com
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.registration import Registration, correlate_facing_slopes, register_faces
 from stiction.surfaces.surface import BodyLike, as_bodies
-from stiction.views.files import check_ending, write_new_text_file, write_shear_parameters
+from stiction.views.files import check_file_extension, write_new_text_file, write_shear_parameters
 from stiction.views.shear import shear_csv
 
 if TYPE_CHECKING:
@@ -295,7 +295,7 @@ def export_shear_test(
         _check_closure(test)
         write_shear_parameters(test, path, DEFAULT_JOINT_UNITS if units is None else units)
     elif gap:
-        check_ending(path, _GAP_FORMATS)
+        check_file_extension(path, _GAP_FORMATS)
         _check_closure(test)
         body = shear_gap(test)
         if isinstance(body, Profile):
@@ -303,7 +303,7 @@ def export_shear_test(
         else:
             write_surface(body, path)
     else:
-        check_ending(path, _TEST_FORMATS)
+        check_file_extension(path, _TEST_FORMATS)
         if path.suffix.lower() == ".nc":
             export(test, path)
         else:

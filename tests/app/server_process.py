@@ -14,7 +14,7 @@ from urllib.parse import quote
 
 from stiction import self_affine_surface, write_surface
 
-MAX_WAITING_TIME = 60.0  # seconds
+MAX_WAITING_SECONDS = 60.0
 BLOCKING_SITECUSTOMIZE_DIRECTORY = Path(__file__).parent / "member_block"
 
 
@@ -37,7 +37,7 @@ class ServerProcess:
         sent_headers |= {"X-Stiction-Key": self.key}
         sent_headers |= {} if method == "GET" else {"Origin": self.origin}
         sent_headers |= {name.replace("_", "-"): value for name, value in headers.items()}
-        connection = http.client.HTTPConnection("127.0.0.1", int(self.port), timeout=MAX_WAITING_TIME)
+        connection = http.client.HTTPConnection("127.0.0.1", int(self.port), timeout=MAX_WAITING_SECONDS)
         with contextlib.closing(connection):
             connection.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
             for name, value in sent_headers.items():
@@ -97,7 +97,7 @@ class ServerProcess:
 
 def wait_until(compute_value, is_met):
     """Compute a value repeatedly until it meets a condition, and return it."""
-    deadline = time.monotonic() + 10 * MAX_WAITING_TIME
+    deadline = time.monotonic() + 10 * MAX_WAITING_SECONDS
     while not is_met(latest_value := compute_value()):
         assert time.monotonic() < deadline, latest_value
         time.sleep(0.1)
@@ -124,7 +124,7 @@ def start_server(directory, *options, code=""):
         if process.poll() is None:
             process.send_signal(signal.SIGTERM)
         try:
-            process.wait(MAX_WAITING_TIME)
+            process.wait(MAX_WAITING_SECONDS)
         finally:
             process.kill()
             process.stderr.close()

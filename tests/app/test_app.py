@@ -16,7 +16,7 @@ from support import browser
 pytest.importorskip("starlette", reason="the extra app is not installed")
 pytest.importorskip("selenium", reason="selenium is not installed")
 
-from app.server_process import MAX_WAITING_TIME, start_server, wait_until, write_maps
+from app.server_process import MAX_WAITING_SECONDS, start_server, wait_until, write_maps
 from stiction import (
     Profile,
     Study,
@@ -55,7 +55,7 @@ def app(tmp_path_factory):
 def driver(app, tmp_path_factory):
     """Browser that is logged in to the server of the app."""
     with browser.start_browser(tmp_path_factory.mktemp("profile")) as driver:
-        driver.set_page_load_timeout(MAX_WAITING_TIME)
+        driver.set_page_load_timeout(MAX_WAITING_SECONDS)
         set_window_size(driver)
         driver.get(app.address)
         cookie = driver.get_cookies()[0]
@@ -782,7 +782,7 @@ def test_server_stops_after_its_last_window_is_closed(tmp_path, tmp_path_factory
     ):
         driver.get(server.address)
         driver.get("about:blank")
-        assert server.process.wait(MAX_WAITING_TIME) == 0
+        assert server.process.wait(MAX_WAITING_SECONDS) == 0
         assert server.find_private_directories() == []
         with contextlib.suppress(OSError):
             assert server.request("GET", "/")[0] is None

@@ -469,10 +469,10 @@ def solve_coefficient(mu0: float, tau0: float, alpha: float, rms: float = 0.03, 
 
 
 def simulate_junction_growth_tests(
-    alpha: Any, true_growth: float, *, balls: bool = True, mu0: float = 0.2, tau0: float = 0.05
+    alpha: Any, true_junction_growth: float, *, balls: bool = True, mu0: float = 0.2, tau0: float = 0.05
 ) -> list[Any]:
     """Return exact friction tests on a plastic pair, and on a steel ball that does not yield."""
-    y = solve_coefficient(mu0, tau0, true_growth)
+    y = solve_coefficient(mu0, tau0, true_junction_growth)
     tests = [FrictionTest(compute_plastic_pair(alpha), "20 MPa", coefficient=y, uncertainty=0.01 * y) for _ in range(3)]
     for load in (5.0, 50.0, 500.0, 5000.0) if balls else ():
         y = mu0 + tau0 * STEEL_BALL.area_per_load(load)
@@ -557,10 +557,12 @@ def test_friction_tests_on_one_plastic_pair_do_not_determine_junction_growth() -
     assert np.ptp(ends) < 0.12 * value  # The given range of α alone would give an interval from 0.28 to 0.376.
 
 
-@pytest.mark.parametrize(("alpha", "true_growth"), [(9.0, 9.0), ("0..27", 9.0), ("0..27", 20.0)])
-def test_prediction_interval_for_a_harder_pair_contains_the_direct_solution(alpha: Any, true_growth: float) -> None:
-    interface = calibrate(simulate_junction_growth_tests(alpha, true_growth), sliding="all")
-    expected = solve_coefficient(0.2, 0.05, true_growth, 0.02, 1.25)
+@pytest.mark.parametrize(("alpha", "true_junction_growth"), [(9.0, 9.0), ("0..27", 9.0), ("0..27", 20.0)])
+def test_prediction_interval_for_a_harder_pair_contains_the_direct_solution(
+    alpha: Any, true_junction_growth: float
+) -> None:
+    interface = calibrate(simulate_junction_growth_tests(alpha, true_junction_growth), sliding="all")
+    expected = solve_coefficient(0.2, 0.05, true_junction_growth, 0.02, 1.25)
     value, lower, upper = interface.predict(compute_plastic_pair(alpha, 0.02, "1.25 GPa"), "20 MPa")
     assert lower < expected < upper
     assert value == pytest.approx(expected, rel=0.02)

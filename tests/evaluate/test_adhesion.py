@@ -397,7 +397,7 @@ def test_complete_contact_is_reported_in_text_and_table_and_json_output(tmp_path
     )
 
 
-def test_interval_of_stiffness_with_adhesion_between_solved_loads_contains_the_stiffness_solved_at_that_load():
+def test_stiffness_interval_at_an_interpolated_load_contains_the_adhesive_solution_at_this_load():
     """Check the interpolation of the stiffness of adhesive contacts, which is not proportional to the load."""
     loads = ["2 MPa", "6 MPa"]
     result = run_pair(load=loads, **ADHESION_OPTIONS)

@@ -111,7 +111,7 @@ def test_relative_effect_of_the_load_definition_is_finite_if_friction_is_zero(ar
     assert not np.isinf(friction_free_table["load_definition_effect"]).any()
 
 
-def test_friction_of_generated_profiles_at_a_load_equals_the_friction_map():
+def test_friction_of_generated_profiles_at_a_load_equals_the_value_in_the_friction_map():
     study = Study.named("quick").with_changes({
         "ensemble.repetitions": 4, "surfaces.points": 4000, "surfaces.fractal_dimension": [1.1, 1.3],
     })  # fmt: skip
@@ -562,7 +562,7 @@ def test_evaluation_at_a_load_computes_every_quantity_shown_in_outputs():
     assert set(select_quantity_names(lambda quantity: quantity.shown)) - evaluated_names == set()
 
 
-def test_limit_on_uncertainty_budgets_applies_to_all_study_loads_together_and_to_each_other_load(
+def test_limit_on_uncertainty_budgets_applies_to_all_study_loads_together_and_to_every_further_load_alone(
     areal_study_and_dataset, monkeypatch
 ):
     study, dataset = areal_study_and_dataset

@@ -469,6 +469,8 @@ def test_half_plane_results_at_each_position_equal_half_space_solutions(small_pa
         ({"mechanics": "half-space", "law": "hertz-cylinder"}, "law is for mechanics asperities"),
     ],
 )
-def test_pair_function_rejects_unknown_mechanics_and_a_contact_law_for_half_spaces(small_pair, arguments, pattern):
+def test_pair_study_rejects_an_unknown_contact_model_and_a_contact_law_in_the_half_space_model(
+    small_pair, arguments, pattern
+):
     with pytest.raises(ValueError, match=pattern):
         pair_study(*small_pair, load=LOADS, effective_modulus=10.0, **INTERFACE_OPTIONS, **arguments)

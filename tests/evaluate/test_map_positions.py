@@ -249,7 +249,7 @@ class TestSurrogatePairs:
             np.testing.assert_array_equal(shifts[name].values, expected.values)
         for index in range(4):
             bodies = [
-                cut_middle(surrogate(levelled(body, "plane"), 7, repetition=index, side=side))
+                crop_to_middle(surrogate(levelled(body, "plane"), 7, repetition=index, side=side))
                 for body, side in ((upper, "upper"), (lower, "lower"))
             ]
             approaches = approach_at_load(*bodies, LOADS, mu0=0.0)
@@ -275,7 +275,7 @@ class TestSurrogatePairs:
             for body, side in zip(bodies, ("upper", "lower"), strict=True)
         )
         area = press(
-            *(pieces := (cut_middle(upper), cut_middle(lower))), approach_at_load(*pieces, [1.0], mu0=0.0)
+            *(pieces := (crop_to_middle(upper), crop_to_middle(lower))), approach_at_load(*pieces, [1.0], mu0=0.0)
         ).contact_area
         assert float(read_member_values(result)["contact_area"][2, 0]) == pytest.approx(
             float(area[0]), rel=ROOT_TOLERANCE
@@ -285,7 +285,7 @@ class TestSurrogatePairs:
             run_pair(*bodies, [1.0], shifts=3, **options)
 
 
-def cut_middle(body):
+def crop_to_middle(body):
     """Return the middle three quarters of a surface along each axis, levelled by a plane."""
     rows, columns = (points - points // 4 for points in body.heights.shape)
     top, left = (body.heights.shape[0] - rows) // 2, (body.heights.shape[1] - columns) // 2

@@ -41,7 +41,7 @@ def test_friction_map_interpolates_loads_linearly_in_the_approach():
     assert np.allclose(values, [0.5, 1.0 / 1.5, 0.75, 1.6 / 3, 1.7 / 4], rtol=ROUND_OFF)
 
 
-def test_friction_map_is_the_ratio_of_mean_loads_of_all_pairs_including_those_without_contact():
+def test_friction_map_is_mean_tangential_over_mean_normal_load_of_all_pairs_even_without_contact():
     result = create_result([[1.0, 3.0], [0.0, 1.0], [0.0, 0.0]], [[0.9, 0.9], [0.0, 0.6], [0.0, 0.0]])
     # The mean normal loads at the two approaches are 1/3 and 4/3, and the mean tangential loads are 0.3 and 0.5.
     values = compute_friction_map(result, [4 / 3])["friction_coefficient"].values

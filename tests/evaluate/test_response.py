@@ -320,7 +320,7 @@ def test_hardness_does_not_change_the_area_of_adhesive_contacts_that_do_not_yiel
     assert float(area(load, hardness=2.0)) == pytest.approx(float(area(load)), rel=1e-12)
 
 
-def test_stiffness_of_scaled_heights_agrees_with_a_direct_solution(result):
+def test_stiffness_of_surfaces_with_scaled_heights_agrees_with_a_direct_solution(result):
     maps = rough_pair()
     scaled_maps = [type(surface)(1.1 * surface.heights, spacing=surface.spacing) for surface in maps]
     options = PAIR_OPTIONS | {"load": f"{LOAD} MPa", "hardness": 20.0, "yield_exponent": 1.15}

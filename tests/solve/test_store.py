@@ -61,7 +61,7 @@ def replace_block_content(file, content):
     """Replace the content of a block file, and rename the file by the checksum of the new content."""
     first_repetition, last_repetition, _ = file.stem.split("-")
     file.unlink()
-    path = file.with_name(BlockFile(int(first_repetition), int(last_repetition), zlib.crc32(content)).name)
+    path = file.with_name(BlockFile(int(first_repetition), int(last_repetition), zlib.crc32(content)).file_name)
     path.write_bytes(content)
     return path
 

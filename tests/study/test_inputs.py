@@ -133,7 +133,7 @@ def test_moduli_are_separate_uncertain_inputs_if_only_one_body_is_given_by_a_mat
     assert inputs.entries["young_upper"].text == "209 GPa (207..212 GPa)"
 
 
-def test_relative_effective_modulus_is_computed_from_young_modulus_samples_of_both_bodies():
+def test_ratio_of_effective_modulus_to_its_central_value_follows_young_modulus_samples_of_both_bodies():
     inputs = Inputs.from_study(STUDY)
     samples = {name: inputs.quantile(name, [0.025, 0.975]) for name in ("young_upper", "young_lower")}
     lower, upper = inputs.relative_modulus(samples)

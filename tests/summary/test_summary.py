@@ -194,7 +194,7 @@ def test_summary_at_the_values_of_the_study_equals_the_default_summary(surface_d
     )
 
 
-def test_summary_at_another_mu0_has_the_combined_interval_and_caveats_of_the_inputs(surface_directory, call_counts):
+def test_summary_at_another_mu0_has_input_caveats_and_the_combined_interval_at_this_mu0(surface_directory, call_counts):
     result = open_result(surface_directory / "pair")
     point = result.summary("20 MPa", mu0=0.3).first
     combined_interval = result.at("20 MPa", mu0=0.3)["friction_combined"].sel(sliding="all").squeeze()

@@ -12,14 +12,14 @@ from stiction.study import input_distributions, inputs, interfaces
 NUM_INPUT_SAMPLES_IN_TESTS = 2**10
 """Number of samples of uncertain inputs in most tests: a sixteenth of the number for users."""
 
-NUISANCE_GRID_FRACTION_IN_TESTS = 0.25
+FRACTION_OF_NUISANCE_POINTS_IN_TESTS = 0.25
 """Number of nuisance points of a calibration in most tests, as a fraction of the number for users."""
 
 
 @contextlib.contextmanager
 def use_few_samples():
     """Return a context manager with few samples of uncertain inputs, and few nuisance points of calibrations."""
-    with use_input_samples(NUM_INPUT_SAMPLES_IN_TESTS), use_nuisance_points(NUISANCE_GRID_FRACTION_IN_TESTS):
+    with use_input_samples(NUM_INPUT_SAMPLES_IN_TESTS), use_nuisance_points(FRACTION_OF_NUISANCE_POINTS_IN_TESTS):
         yield
 
 

@@ -4,7 +4,7 @@ import sys
 import threading
 import time
 
-MAX_WAITING_TIME = 30.0  # time (s) within which another thread starts, even on a busy machine
+MAX_WAITING_SECONDS = 30.0  # time (s) within which another thread starts, even on a busy machine
 
 
 def releases_interpreter_lock(call):
@@ -21,8 +21,8 @@ def releases_interpreter_lock(call):
     thread.start()
     started.wait()
     # Set a long switch interval, so that threads switch only when a lock is released.
-    sys.setswitchinterval(10 * MAX_WAITING_TIME)
-    end = time.monotonic() + MAX_WAITING_TIME
+    sys.setswitchinterval(10 * MAX_WAITING_SECONDS)
+    end = time.monotonic() + MAX_WAITING_SECONDS
     try:
         released.set()
         while not has_run.is_set() and time.monotonic() < end:

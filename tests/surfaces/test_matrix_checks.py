@@ -181,7 +181,7 @@ def test_map_with_few_columns_has_no_caveat_about_a_wrapped_profile(tmp_path, sh
     assert not read_with_interpretation(path, unit="nm", spacing="0.5 um").caveats
 
 
-def test_profile_with_another_number_of_points_than_its_header_declares_has_a_caveat(tmp_path):
+def test_profile_whose_number_of_points_differs_from_its_header_has_a_caveat(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("Number of points: 300\nspacing: 0.5 um\nz (um)\n" + to_text(HEIGHTS.ravel()[:299, None]))
     assert "declares 300 points, but 299 heights are read" in str(read_with_interpretation(path).caveats[0])

@@ -158,13 +158,13 @@ def test_quantities_in_a_report_have_the_labels_numbers_and_units_of_the_termina
 ):
     monkeypatch.setenv("COLUMNS", "200")
     result = Result(request.getfixturevalue(fixture_name))
-    report_data, values = collect_report_data(result), evaluate_measured_values(result)
-    load_index = values.loads.size // 2
-    summary = result.summary(float(values.loads[load_index]), mu0=0.3, tau0=0.0)
+    report_data, measured_values = collect_report_data(result), evaluate_measured_values(result)
+    load_index = measured_values.loads.size // 2
+    summary = result.summary(float(measured_values.loads[load_index]), mu0=0.3, tau0=0.0)
     terminal_text = result_text(summary, verbose=True)
     printed_tables = [
         table
-        for table in measured_report_content(report_data, values, "").quantities
+        for table in measured_report_content(report_data, measured_values, "").quantities
         if f"\n{table.words.lower()}" in terminal_text.lower()
     ]
     assert len(printed_tables) > 5

@@ -88,7 +88,9 @@ def plan_tests(interface: Interface, result: Any, load: float | str) -> tuple[Pl
         expected = central_law.force(1.0, areas_per_load)
         planned = partial(_reweight, areas_per_load=areas_per_load, expected=expected, error=relative_error * expected)
         fit, bounds = planned(interface.fits[0]), interface.fits[0].fits_at_bounds
-        fit = replace(fit, fits_at_bounds={name: planned(each) for name, each in bounds.items()})
+        fit = replace(
+            fit, fits_at_bounds={bound_name: planned(fit_at_bound) for bound_name, fit_at_bound in bounds.items()}
+        )
         planned_coefficient = replace(interface, fits=(fit,)).predict(result, load)
         plans.append(PlannedTests(text, _limit_to_interval(planned_coefficient, present)))
     value = present[0]
@@ -128,7 +130,7 @@ def _reweight(fit: StrengthFit, areas_per_load: Floats, expected: Floats, error:
     predicted = FrictionLaw(fit.mu0[:, np.newaxis], fit.tau0[:, np.newaxis]).force(1.0, areas_per_load)
     log_weights = -0.5 * (((predicted - expected) / error) ** 2).sum(axis=1)
     indices = select_by_weight(np.cumsum(np.exp(log_weights - log_weights.max())), log_weights.size, 0.5)
-    names = ("mu0", "tau0", "hardness", "junction_growth", "area_per_load")
-    columns: dict[str, Any] = {name: getattr(fit, name)[indices] for name in names}
-    columns["scores"] = {name: scores[indices] for name, scores in fit.scores.items()}
+    sample_names = ("mu0", "tau0", "hardness", "junction_growth", "area_per_load")
+    columns: dict[str, Any] = {sample_name: getattr(fit, sample_name)[indices] for sample_name in sample_names}
+    columns["scores"] = {nuisance_name: scores[indices] for nuisance_name, scores in fit.scores.items()}
     return replace(fit, **columns)

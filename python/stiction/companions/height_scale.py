@@ -158,7 +158,7 @@ def find_missing_factors(factors: Floats, solved_factors: Floats) -> Floats:
     those factors.
     """
     missing_factors = np.array(
-        [factor for factor in factors.tolist() if _find_neighbor_indices(solved_factors, factor) is None]
+        [factor for factor in factors.tolist() if _find_enclosing_indices(solved_factors, factor) is None]
     )
     if not missing_factors.size:
         return missing_factors
@@ -166,7 +166,7 @@ def find_missing_factors(factors: Floats, solved_factors: Floats) -> Floats:
     return factor_nodes if factor_nodes.size < missing_factors.size else missing_factors
 
 
-def _find_neighbor_indices(solved_factors: Floats, factor: float) -> tuple[int, int] | None:
+def _find_enclosing_indices(solved_factors: Floats, factor: float) -> tuple[int, int] | None:
     """Return the indices of the two computed height factors that enclose a requested factor.
 
     Both indices are equal if the requested factor itself was computed. Returns None if no two computed factors enclose
@@ -318,10 +318,10 @@ def evaluate_at_height_factors(
     solved_factors = np.array(list(results))
     if (missing_factors := find_missing_factors(factors, solved_factors)).size:
         raise MissingHeightFactorsError(missing_factors, estimate_height_factor_time(study, missing_factors.size))
-    neighbor_pairs = [
-        neighbor_indices
+    enclosing_index_pairs = [
+        enclosing_indices
         for factor in factors.tolist()
-        if (neighbor_indices := _find_neighbor_indices(solved_factors, factor))
+        if (enclosing_indices := _find_enclosing_indices(solved_factors, factor))
     ]
     points_by_factor = [
         add_uncertainty(at_load(scaled_result, loads, mu0=mu0, tau0=tau0), scaled_result, budget=False).isel(cut_off=0)
@@ -329,7 +329,7 @@ def evaluate_at_height_factors(
     ]
     unscaled_point = points_by_factor[list(results).index(1.0)]
     parameters = (unscaled_point["load"].values, unscaled_point["mu0"].values, unscaled_point["tau0"].values)
-    used_indices = {index for pair in neighbor_pairs if pair[0] != pair[1] for index in pair}
+    used_indices = {index for pair in enclosing_index_pairs if pair[0] != pair[1] for index in pair}
     members = {
         index: evaluate_members(result_at_factor, *parameters).isel(cut_off=0)
         for index, result_at_factor in enumerate(results.values())
@@ -343,11 +343,11 @@ def evaluate_at_height_factors(
         interpolated = np.stack(
             [
                 _interpolate_between_factors(values, solved_factors, factor, indices)
-                for factor, indices in zip(factors, neighbor_pairs, strict=True)
+                for factor, indices in zip(factors, enclosing_index_pairs, strict=True)
             ]
         )
         dims = unscaled_point[name].dims[:-1]
-        for index, (factor, (lower, upper)) in enumerate(zip(factors.tolist(), neighbor_pairs, strict=True)):
+        for index, (factor, (lower, upper)) in enumerate(zip(factors.tolist(), enclosing_index_pairs, strict=True)):
             if lower == upper or "statistic" not in unscaled_point[name].dims:
                 continue
             below, above = (_get_member_values(members[member_index], name, dims) for member_index in (lower, upper))
@@ -368,18 +368,20 @@ def evaluate_at_height_factors(
         statuses = np.stack([point["contact_status"].transpose(*dims).values for point in points_by_factor])
         other_status = STATUS_OK if study.uses_half_space else AREA_ABOVE_NOMINAL_STATUS
         interpolated = np.stack(
-            [np.where(statuses[i] == statuses[j], statuses[i], other_status) for i, j in neighbor_pairs]
+            [np.where(statuses[i] == statuses[j], statuses[i], other_status) for i, j in enclosing_index_pairs]
         )
         variables["contact_status"] = (("height_scale", *dims), interpolated, unscaled_point["contact_status"].attrs)
     for side, rms in _compute_rms_heights(study).items():
         scaled_rms = rms * (factors if scaled in ("both", side) else np.ones(factors.size))
         variables[f"{side}_rms"] = ("height_scale", scaled_rms, quantity_attributes(f"{side}_rms"))
     used_dims = set(np.concatenate([np.ravel(dims) for dims, *_ in variables.values()]).tolist())
-    coordinates: dict[str, Any] = {
+    scaled_coordinates: dict[str, Any] = {
         str(name): values for name, values in unscaled_point.coords.items() if set(values.dims) <= used_dims
     }
-    coordinates["height_scale"] = ("height_scale", factors, quantity_attributes("height_scale"))
-    return xarray.Dataset(variables, coordinates, unscaled_point.attrs | {"scaled": scaled, "solved": solved_factors})
+    scaled_coordinates["height_scale"] = ("height_scale", factors, quantity_attributes("height_scale"))
+    return xarray.Dataset(
+        variables, scaled_coordinates, unscaled_point.attrs | {"scaled": scaled, "solved": solved_factors}
+    )
 
 
 def _get_member_values(members: xarray.Dataset, name: str, dims: Sequence[Any]) -> Floats | None:

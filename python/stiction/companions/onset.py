@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 # A file that starts with these bytes is recognised as an onset table of an earlier run.
 ONSET_TABLE_SIGNATURE = b"fraction of the sliding load,"
-NUM_ONSET_MEMBERS, NUM_AREAL_ONSET_MEMBERS = 16, 4
+NUM_ONSET_MEMBERS, NUM_ONSET_MEMBERS_FOR_MAPS = 16, 4
 """Default numbers of members for the onset of sliding: 16 in general, and 4 for maps in the half-space model."""
 
 
@@ -117,7 +117,7 @@ def _find_onset_members(study: Study, count: int | None) -> range:
     first_index = surfaces.first_scan_member_index
     first_index = first_index if first_index < study.ensemble.repetitions else 0
     is_slow = surfaces.is_areal and study.uses_half_space
-    num_members = (NUM_AREAL_ONSET_MEMBERS if is_slow else NUM_ONSET_MEMBERS) if count is None else count
+    num_members = (NUM_ONSET_MEMBERS_FOR_MAPS if is_slow else NUM_ONSET_MEMBERS) if count is None else count
     return range(first_index, min(first_index + num_members, study.ensemble.repetitions))
 
 

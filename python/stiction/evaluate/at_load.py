@@ -21,7 +21,7 @@ from stiction.evaluate.ensemble_means import average_ensemble
 from stiction.evaluate.intervals import MAX_RELATIVE_ROUND_OFF
 from stiction.evaluate.load_range import replace_zero_load
 from stiction.evaluate.maps import MAP_CELL_DIMENSIONS, choose_mu0_and_tau0
-from stiction.evaluate.member_means import LoadNeighbors, average_members
+from stiction.evaluate.member_means import AdjacentLoadValues, average_members
 from stiction.evaluate.member_values import LoadDefinition, MemberKind, evaluate_members
 from stiction.mechanics.closed_forms import gentle_friction
 from stiction.mechanics.quantities import is_requested, quantity_attributes
@@ -89,7 +89,7 @@ def at_load(
         point = average_ensemble(result, unique_loads, *strengths, names)
     else:
         members = evaluate_members(result, unique_loads, *strengths, load_definition, member_kind, names)
-        neighbors = None
+        adjacent_load_values = None
         if (
             load_definition == "elastic"
             and (bracketing_loads := _find_bracketing_loads(result, unique_loads)) is not None
@@ -98,10 +98,10 @@ def at_load(
             values_at_computed_loads = evaluate_members(
                 result, computed_loads, *strengths, "elastic", member_kind, names
             )
-            neighbors = LoadNeighbors(
+            adjacent_load_values = AdjacentLoadValues(
                 values_at_computed_loads.isel(load=below), values_at_computed_loads.isel(load=above), position
             )
-        point = average_members(study, members, names, neighbors)
+        point = average_members(study, members, names, adjacent_load_values)
         if is_measured:
             cell_dims = [str(dim) for dim in point.variables["rms_gradient"].dims if dim != "statistic"]
             gradient = arrange_axes(point.variables["rms_gradient"], ("statistic", *cell_dims))[0]

@@ -33,7 +33,7 @@ The sum of areas exceeds the nominal area if asperities overlap.
 
 
 @dataclass(frozen=True, eq=False)
-class LoadNeighbors:
+class AdjacentLoadValues:
     """Quantities of all members at two computed loads, one below and one above each requested load.
 
     The position of a requested load is a fraction of the distance in ln F; it is 0 at a computed load.
@@ -45,12 +45,15 @@ class LoadNeighbors:
 
 
 def average_members(
-    study: Study, members: xarray.Dataset, names: Collection[str] | None, neighbors: LoadNeighbors | None = None
+    study: Study,
+    members: xarray.Dataset,
+    names: Collection[str] | None,
+    adjacent_load_values: AdjacentLoadValues | None = None,
 ) -> xarray.Dataset:
     """Average quantities over the members, with 95 % intervals of the means.
 
-    `names` lists quantities to evaluate besides friction; None stands for all. With `neighbors`, the intervals at loads
-    between computed loads include the interpolation error.
+    `names` lists quantities to evaluate besides friction; None stands for all. With `adjacent_load_values`, the
+    intervals at loads between computed loads include the interpolation error.
     """
     import xarray
 
@@ -60,10 +63,10 @@ def average_members(
         """Return the mean and the interval limits of a quantity over the members."""
         values = get_values(members)
         means = dependence.mean_with_interval(values)
-        if neighbors is None or "load" not in dims:
+        if adjacent_load_values is None or "load" not in dims:
             return means
-        position = neighbors.position.reshape([-1 if dim == "load" else 1 for dim in dims])
-        below, above = get_values(neighbors.below), get_values(neighbors.above)
+        position = adjacent_load_values.position.reshape([-1 if dim == "load" else 1 for dim in dims])
+        below, above = get_values(adjacent_load_values.below), get_values(adjacent_load_values.above)
         return include_interpolation_error(means, values, below, above, position, dependence.mean_with_interval)
 
     coordinates: dict[str, Any] = {

@@ -57,13 +57,13 @@ def find_pull_off_values(point: xarray.Dataset, study: Study, rule: str) -> Pull
     if "pull_off" not in point or "pull_off_pressure" not in point:
         return None
     force, pressure, friction = (
-        read_estimate(select_sliding_rule(point[name], rule))
-        for name in ("pull_off", "pull_off_pressure", "friction_at_no_load")
+        read_estimate(select_sliding_rule(point[quantity_name], rule))
+        for quantity_name in ("pull_off", "pull_off_pressure", "friction_at_no_load")
     )
     bound_fraction = float(point["share_of_pull_off_bounds"].sel(statistic="mean"))
     area_inputs = tuple(
         entry.label
-        for name, entry in Inputs.from_study(study).uncertain.items()
-        if name == "hardness" or name.startswith(("effective_modulus", *MODULUS_NAMES))
+        for input_name, entry in Inputs.from_study(study).uncertain.items()
+        if input_name == "hardness" or input_name.startswith(("effective_modulus", *MODULUS_NAMES))
     )
     return PullOffValues(force, pressure, friction, bound_fraction > 0, area_inputs if friction.value else ())

@@ -562,19 +562,21 @@ def half_space(
         compliance_share=validate_fraction("compliance_share", compliance_share),
         hardness=None if hardness is None else validate_number("hardness", hardness, unit="GPa", above=0),
     )  # fmt: skip
-    work_value, range_value = (
+    converted_work_of_adhesion, converted_adhesion_range = (
         validate_number(name, to_core_units(name, value, kind), unit=unit, above=above)
         for name, value, kind, unit, above in (
             ("work_of_adhesion", work_of_adhesion, "work of adhesion", "mN/µm", -math.ulp(0)),
             ("adhesion_range", adhesion_range, "length", "µm", 0),
         )
     )
-    if work_value > 0:
+    if converted_work_of_adhesion > 0:
         for body in (upper, lower):
             reject_missing_points(body, "work_of_adhesion")
-        problem = _add_adhesion(problem, work_value, range_value, float(model.effective_modulus))
+        problem = _add_adhesion(
+            problem, converted_work_of_adhesion, converted_adhesion_range, float(model.effective_modulus)
+        )
     if tilt == "free":
-        if boundary == "periodic" or work_value > 0 or approaches is not None:
+        if boundary == "periodic" or converted_work_of_adhesion > 0 or approaches is not None:
             raise ValueError(
                 "tilt must be 'fixed' if the surfaces are periodic or adhesive, or if approaches are given, got 'free'"
             )
@@ -582,7 +584,7 @@ def half_space(
     loads, approaches = (
         [given_values] if isinstance(given_values, str) else given_values for given_values in (loads, approaches)
     )
-    loads = loads_to_core_units("loads", loads, problem.area)
+    loads = loads_to_core_units("loads", loads, problem.nominal_area)
     step_kind, step_values = parse_loads_or_approaches(
         problem, loads, to_core_units("approaches", approaches, "length")
     )

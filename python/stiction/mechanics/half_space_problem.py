@@ -123,7 +123,7 @@ class HalfSpaceProblem:
         return float(np.prod(self.spacing)) * (PROFILE_WIDTH if len(self.spacing) == 1 else 1.0)
 
     @cached_property
-    def area(self) -> float:
+    def nominal_area(self) -> float:
         """Nominal area (µm²) of the points that were measured on both surfaces."""
         return self.cell_area * (self.gap.size - (0 if self.missing is None else int(self.missing.sum())))
 
@@ -287,11 +287,11 @@ class ContactSolution:
         if not free_mask.any():
             return np.nan
         if problem.periodic and problem.missing is None:
-            return self._compute_stiffness(free_mask) / problem.area
+            return self._compute_stiffness(free_mask) / problem.nominal_area
         # The closure is the approach minus the mean displacement, both under a nominal pressure of 1 GPa.
         # By reciprocity, the mean displacement is Σ (contact pressure · displacement under uniform pressure).
         approach_at_unit_pressure_sum, mean_displacement = self._get_compliances(free_mask)
-        closure = approach_at_unit_pressure_sum * problem.area / problem.cell_area - mean_displacement
+        closure = approach_at_unit_pressure_sum * problem.nominal_area / problem.cell_area - mean_displacement
         return 1 / closure if closure > 0 else np.inf
 
 
@@ -364,7 +364,7 @@ def tabulate_solutions(solutions: Sequence[ContactSolution]) -> dict[str, NDArra
         "load": load,
         "contact_load": load + attraction_force,
         "approach": approach if problem.has_finite_approach else np.full(load.size, np.nan),
-        "closure": approach - displacement * problem.cell_area / problem.area,
+        "closure": approach - displacement * problem.cell_area / problem.nominal_area,
         "error": error,
         "iterations": np.array([solution.iterations for solution in solutions]),
         "contact_count": np.array([int(solution.patch.max()) for solution in solutions]),
@@ -474,7 +474,7 @@ def parse_loads_or_approaches(
         raise ValueError(f"{step_kind} must be above 0 {unit} and strictly increasing, got {short_repr(given_values)}")
     gap, hardness = problem.gap, problem.hardness
     if step_kind == "loads":
-        max_load = np.inf if hardness is None else hardness * problem.area
+        max_load = np.inf if hardness is None else hardness * problem.nominal_area
         if not steps.max() < max_load:
             raise ValueError(
                 f"loads must be below hardness times nominal area, {max_load:g} mN, got {steps.max():g} mN"
@@ -589,7 +589,7 @@ class ContactSolver:
             # The core multiplies its tolerance by the standard deviation of the gap, which these large gaps increase.
             # `scale` compensates the increase.
             measured_gap = gap[~missing]
-            mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.area)))
+            mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.nominal_area)))
             gap = np.where(
                 missing, 2 * measured_gap.max() + 4 * (mean_displacement if step_kind == "loads" else limit), gap
             )

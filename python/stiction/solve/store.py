@@ -118,7 +118,7 @@ class BlockFile:
     checksum: int
 
     @property
-    def name(self) -> str:
+    def file_name(self) -> str:
         """Name of the block file without its directory."""
         return f"{self.first:07d}-{self.last:07d}-{self.checksum:08x}.nc"
 
@@ -181,7 +181,7 @@ class StoredResult:
     @cached_property
     def total_file_size(self) -> int:
         """Size of all block files together, in bytes."""
-        return sum((self.path / BLOCKS_DIRECTORY / block.name).lstat().st_size for block in self.blocks)
+        return sum((self.path / BLOCKS_DIRECTORY / block.file_name).lstat().st_size for block in self.blocks)
 
     @property
     def nbytes(self) -> int:
@@ -328,7 +328,7 @@ class StoredResult:
             }
 
     def _read_block_bytes(self, block: BlockFile) -> bytes:
-        return read_file_bytes(self.path / BLOCKS_DIRECTORY / block.name, MAX_RESULT_BYTES)
+        return read_file_bytes(self.path / BLOCKS_DIRECTORY / block.file_name, MAX_RESULT_BYTES)
 
     @contextmanager
     def _convert_read_errors(self, block: BlockFile) -> Iterator[None]:
@@ -343,8 +343,8 @@ class StoredResult:
 
 def _build_damage_error(path: Path, block: BlockFile, reason: str) -> StoreError:
     return StoreError(
-        f"{printable_path(path / BLOCKS_DIRECTORY / block.name)}: {reason}; remove that file and run the study again "
-        f"to recompute members {block.first} to {block.last}"
+        f"{printable_path(path / BLOCKS_DIRECTORY / block.file_name)}: {reason}; remove that file and run the study "
+        f"again to recompute members {block.first} to {block.last}"
     )
 
 
@@ -632,7 +632,7 @@ def remove_result(stored_result: StoredResult, claim: DirectoryClaim) -> None:
     claim.acquire()
     check_unused(stored_result.path, claim)
     for block in stored_result.blocks:
-        (stored_result.path / BLOCKS_DIRECTORY / block.name).unlink(missing_ok=True)
+        (stored_result.path / BLOCKS_DIRECTORY / block.file_name).unlink(missing_ok=True)
     area_files = (AREAS_BY_HARDNESS_FILE,) if stored_result.study.is_measured else ()
     onset_files = (ONSET_FILE, ONSET_TABLE_FILE) if (stored_result.path / ONSET_FILE).exists() else ()
     remove_stored_steps(stored_result.path)
@@ -786,7 +786,7 @@ def write_block(path: Path, first_member: int, content: bytes, num_members: int)
     block = BlockFile(first_member, first_member + num_members - 1, zlib.crc32(content))
     for attempt in range(1, MAX_WRITE_ATTEMPTS + 1):
         try:
-            _files.write_atomically(path / BLOCKS_DIRECTORY / block.name, content)
+            _files.write_atomically(path / BLOCKS_DIRECTORY / block.file_name, content)
             return
         except FileNotFoundError:
             # Another process may have removed the partial file.
@@ -1090,8 +1090,12 @@ def _read_variable(file: h5py.File, name: str, shape: tuple[int, ...] | None = N
     hdf5_links = file.id.links
     is_stored_here = hdf5_links.exists(encoded_name) and hdf5_links.get_info(encoded_name).type == h5py.h5l.TYPE_HARD
     identifier: Any = h5py.h5o.open(file.id, encoded_name) if is_stored_here else None
-    creation = identifier.get_create_plist() if isinstance(identifier, h5py.h5d.DatasetID) else None
-    if creation is None or creation.get_external_count() or creation.get_layout() == h5py.h5d.VIRTUAL:
+    creation_properties = identifier.get_create_plist() if isinstance(identifier, h5py.h5d.DatasetID) else None
+    if (
+        creation_properties is None
+        or creation_properties.get_external_count()
+        or creation_properties.get_layout() == h5py.h5d.VIRTUAL
+    ):
         raise DamagedFileError(f"has no variable {name}")
     dtype, stored_shape = identifier.dtype, identifier.shape
     # A small damaged file may declare a huge array, so the stored size is checked before memory is allocated.

@@ -310,7 +310,7 @@ class MeasuredBodySettings(SettingsSection):
                 f"{printable_path(self.file)} has changed since the study was created: its SHA-256 is not "
                 f"{self.sha256[:12]}...; remove sha256 from the study to start a new study with this file"
             )
-        return _read_body(self._identify_content(checksum))
+        return _load_scanned_body(self._identify_content(checksum))
 
     def _identify_content(self, checksum: str) -> _ScanFile:
         """Return the key under which the file content is cached: file name, checksum and reading options."""
@@ -480,7 +480,7 @@ class _ScanFile:
 
 
 @functools.lru_cache(maxsize=16)
-def _read_body(file: _ScanFile) -> MeasuredBody:
+def _load_scanned_body(file: _ScanFile) -> MeasuredBody:
     """Read the body from a scan file, or return the cached body of an equal file with equal reading options."""
     settings = file.settings
     if is_spectrum_file(file.path):

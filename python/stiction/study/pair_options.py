@@ -41,7 +41,7 @@ class HeightData(Protocol):
         """Heights as a NumPy array, or as an object that converts to such an array."""
 
 
-class Topography(Protocol):
+class SurfaceTopographyObject(Protocol):
     """Topography object of the library SurfaceTopography."""
 
     def heights(self) -> object:
@@ -115,7 +115,7 @@ def _parse_surrogates(value: object) -> object:
     return value
 
 
-HeightInput: TypeAlias = str | Path | Profile | Surface | NDArray[np.generic] | HeightData | Topography
+HeightInput: TypeAlias = str | Path | Profile | Surface | NDArray[np.generic] | HeightData | SurfaceTopographyObject
 """Measured profile or height map: a file, an array of heights, or an object of this or of another library."""
 ScanInput: TypeAlias = HeightInput | JoinedSpectrum
 BodyScans: TypeAlias = Annotated[ScanInput | Sequence[ScanInput], SkipValidation]

@@ -384,7 +384,7 @@ class MeasuredPair:
         If an interface is given, mu0 and tau0 are the medians of the interface.
         """
         self._check_conditions(("mu0", "tau0"))
-        values = {name: self._parse_single_strength(name) for name in ("mu0", "tau0")}
+        values = {name: self._parse_single_mu0_or_tau0(name) for name in ("mu0", "tau0")}
         entries = self._elasticity_entries
         modulus_text = exact_quantity_text(self.elasticity.effective_modulus, "GPa")
         values["effective_modulus"] = parse_input_value(
@@ -400,7 +400,7 @@ class MeasuredPair:
         """Materials of both bodies, or an empty tuple if the user names no materials."""
         return tuple(material(name) for name in self.elasticity.materials or ())
 
-    def _parse_single_strength(self, name: str) -> InputValue:
+    def _parse_single_mu0_or_tau0(self, name: str) -> InputValue:
         """Parse mu0 or tau0 as one number, which may be uncertain."""
         if self.given_interface is not None or self.options.option_value(name) is None:
             value = self._get_central_option_value(name)

@@ -67,9 +67,13 @@ def fit_round_form(
     return model(fitted_parameters, positions), f"{'concave' if curvature > 0 else 'convex'} {form} of {radius}"
 
 
-def _compute_arc_heights(squared_distance: Floats, tilt: Floats, curvature: float, cosine: float) -> Floats:
-    """Return heights of a tilted circular arc relative to its middle, at given squared distances from the middle."""
-    rise = curvature * squared_distance + 2 * tilt * cosine
+def _compute_arc_heights(squared_distance: Floats, tangent_height: Floats, curvature: float, cosine: float) -> Floats:
+    """Return the heights of a tilted circular arc relative to its middle.
+
+    Points are specified by the square of their distance from the middle, and by the height of the tangent there, which
+    has the sign of the tilt. `cosine` is the cosine of the angle of tilt.
+    """
+    rise = curvature * squared_distance + 2 * tangent_height * cosine
     root = np.sqrt(np.maximum(cosine**2 - curvature * rise, _MIN_COSINE_SQUARED))
     return np.asarray(rise / (cosine + root))
 

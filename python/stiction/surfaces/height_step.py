@@ -13,7 +13,7 @@ _EQUAL_DIFFERENCE_TOLERANCE = 1e-6
 # Minimum number of occurrences of a second difference that is attributed to rounding.
 _MIN_REPETITIONS = 5
 # If heights are rounded, at least this fraction of the second differences occurs repeatedly.
-_MIN_REPEATED_FRACTION = 0.5
+_MIN_FRACTION_OF_REPEATED_DIFFERENCES = 0.5
 # At least this fraction of second differences must be multiples of the rounding step, with this tolerance (steps).
 _MIN_FRACTION_OF_MULTIPLES, _MULTIPLE_TOLERANCE = 0.9, 0.05
 # Minimum fraction of the nonzero second differences that are multiples of the rounding step.
@@ -55,7 +55,7 @@ def find_height_step(heights: Floats) -> float:
     differences = np.concatenate([_compute_centred_second_differences(heights, axis) for axis in range(heights.ndim)])
     whole_numbers, repetition_counts = _count_whole_numbers(np.rint(differences / tolerance))
     is_repeated = repetition_counts >= _MIN_REPETITIONS
-    if repetition_counts[is_repeated].sum() <= _MIN_REPEATED_FRACTION * differences.size:
+    if repetition_counts[is_repeated].sum() <= _MIN_FRACTION_OF_REPEATED_DIFFERENCES * differences.size:
         return 0.0
     positive_numbers, negative_numbers = (
         whole_numbers[is_repeated & (whole_numbers > 0)],

@@ -44,7 +44,7 @@ _WINDOW_WIDTHS = {1: 31, 2: 7}
 _MIN_NEIGHBOUR_ESTIMATES = 3
 # Maximum number of lines through two neighbours that may pass near an outlier of a map by chance.
 # Each point is compared with at least five lines.
-_MAX_COINCIDENT_LINES = 2
+_MAX_LINES_NEAR_OUTLIER = 2
 _MAX_OUTLIER_PASSES = 8
 # Steps (points) from a point to its neighbours in profiles (key 1) and maps (key 2).
 _NEIGHBOUR_STEPS: dict[int, list[tuple[int, ...]]] = {1: [(1,), (2,), (3,), (4,)], 2: [(0, 1), (1, 0), (1, 1), (1, -1)]}
@@ -290,12 +290,12 @@ def _compute_deviations_in_strip(
     line_deviations = [np.abs(heights - estimate) for estimate in extrapolated_heights]
     estimate_count = np.sum([np.isfinite(deviation) for deviation in line_deviations], axis=0)
     at_edge = estimate_count < len(line_deviations)
-    smallest_deviations = _find_smallest(line_deviations, 1 if heights.ndim == 1 else _MAX_COINCIDENT_LINES + 1)
+    smallest_deviations = _find_smallest(line_deviations, 1 if heights.ndim == 1 else _MAX_LINES_NEAR_OUTLIER + 1)
     if heights.ndim == 1:
         return mean_deviations, np.where(estimate_count > 0, smallest_deviations[0], np.nan), at_edge
     line_deviation = np.where(
-        estimate_count > _MAX_COINCIDENT_LINES + _MIN_NEIGHBOUR_ESTIMATES - 1,
-        smallest_deviations[_MAX_COINCIDENT_LINES],
+        estimate_count > _MAX_LINES_NEAR_OUTLIER + _MIN_NEIGHBOUR_ESTIMATES - 1,
+        smallest_deviations[_MAX_LINES_NEAR_OUTLIER],
         smallest_deviations[0],
     )
     return mean_deviations, np.where(estimate_count < _MIN_NEIGHBOUR_ESTIMATES, np.nan, line_deviation), at_edge

@@ -415,7 +415,8 @@ class MapPairs:
         """Generate a surrogate of each map for a pair index, and return a levelled piece of each surrogate."""
         upper, lower = (
             self._cut_piece(
-                surrogate(body, self.seed, repetition=index, side=side), _find_centred_piece_origin(points, self.shape)
+                surrogate(body, self.seed, repetition=index, side=side),
+                _find_origin_of_middle_map_piece(points, self.shape),
             )
             for body, side, points in zip((self.upper, self.lower), SIDES, self._map_shapes, strict=True)
         )
@@ -492,7 +493,7 @@ class IsotropicSurfacePairs(SquarePiecePairs):
             levelled(
                 resample_piece(
                     isotropic_surface(body, self.seed, shape=shape, repetition=index, side=side),
-                    self.spacing, _find_centred_piece_origin(shape, self.shape), self.shape,
+                    self.spacing, _find_origin_of_middle_map_piece(shape, self.shape), self.shape,
                 ),
                 self.level,
             )
@@ -558,6 +559,6 @@ class SpectralSurfacePairs(SquarePiecePairs):
         return levelled(piece, self.level)
 
 
-def _find_centred_piece_origin(points: tuple[int, int], shape: tuple[int, int]) -> tuple[int, int]:
+def _find_origin_of_middle_map_piece(points: tuple[int, int], shape: tuple[int, int]) -> tuple[int, int]:
     """Return the first row and column of a piece in the middle of a height map."""
     return (points[0] - shape[0]) // 2, (points[1] - shape[1]) // 2

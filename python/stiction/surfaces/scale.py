@@ -26,7 +26,7 @@ from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, ROUND_OFF_FACTOR, p
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_body
 
 # Factor c of `instrument_limit`: a tip of radius R follows a surface only if the surface's rms curvature is below c/R.
-TIP_CURVATURE_FACTOR = 0.1
+MAX_CURVATURE_TIMES_TIP_RADIUS = 0.1
 _ROUGHNESS_BINS_PER_DECADE = 48
 _NOISE_BINS_PER_OCTAVE = 8
 # Widths (octaves) of the windows in which the exponent of a spectrum is fitted.
@@ -40,7 +40,7 @@ _MAX_HUMP_WAVELENGTH_POINTS = 24.0
 _MIN_TRUSTED_SPECTRAL_DENSITY_RATIO = 4.0
 # A spectrum is regarded as rising if its density exceeds the lowest density at longer wavelengths by this factor.
 # Spectra of real surfaces never rise by such a factor.
-_MIN_RISE_DENSITY_RATIO = 3.0
+_MIN_DENSITY_RATIO_OF_RISE = 3.0
 # Noise is negligible if it contributes at most this fraction of the mean square slope of a scan.
 MAX_UNATTRIBUTED_FRACTION = 0.1
 # Ratio of a filter's cutoff to the wavelength that the filter must remove.
@@ -489,7 +489,7 @@ def instrument_limit(
     roughness = None
     if radius is not None or noise_wavelength > 0:
         roughness = scale_dependent_roughness(body, periodic=periodic)
-        if radius is not None and (is_too_sharp := roughness.curvature > TIP_CURVATURE_FACTOR / radius).any():
+        if radius is not None and (is_too_sharp := roughness.curvature > MAX_CURVATURE_TIMES_TIP_RADIUS / radius).any():
             limits_by_reason["tip"] = float(roughness.wavelength[int(np.argmax(is_too_sharp))])
     reason = max(
         (name for name in limits_by_reason if not math.isnan(limits_by_reason[name])),
@@ -819,7 +819,7 @@ def _find_bin_before_rise(points: Floats, density: Floats, chance_variance: Floa
             points[bin_index] <= _MAX_HUMP_WAVELENGTH_POINTS
             and lowest_bin
             and density[bin_index]
-            > max(_MIN_RISE_DENSITY_RATIO, 1 + 5 * math.sqrt(chance_variance[bin_index])) * lowest_density
+            > max(_MIN_DENSITY_RATIO_OF_RISE, 1 + 5 * math.sqrt(chance_variance[bin_index])) * lowest_density
         ):
             return lowest_bin
         upper_density = float(density[bin_index]) * (1 + 3 * math.sqrt(chance_variance[bin_index]))

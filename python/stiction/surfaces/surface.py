@@ -19,7 +19,7 @@ SurfaceAmplitudeMeasure = Literal["height", "Sa", "Sq"]
 BodyLike = Any
 
 # The C++ core processes the heights of a map as a list, so it uses the names of profile parameters (Ra, Rq).
-_CORE_MEASURE_NAMES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
+_CPP_MEASURE_NAMES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
 # Smallest height range (µm) of a body, whose inverse (1/µm) is the largest.
 # Outside these limits, fourth powers of heights underflow or overflow.
 _MIN_HEIGHT = 1e-50
@@ -108,7 +108,7 @@ class Surface(Body):
         check_choice("measure", measure, SurfaceAmplitudeMeasure)
         amplitude = validate_number("amplitude", amplitude, unit="µm", above=0)
         scaled_heights = np.empty(self.heights.size)
-        if not _core.scale_to_amplitude(self.heights.ravel(), amplitude, _CORE_MEASURE_NAMES[measure], scaled_heights):
+        if not _core.scale_to_amplitude(self.heights.ravel(), amplitude, _CPP_MEASURE_NAMES[measure], scaled_heights):
             raise ValueError("surface must not be flat, because a flat surface cannot be scaled to an amplitude")
         return self.changed(scaled_heights.reshape(self.heights.shape), f"scaled to {measure} {amplitude:g} µm")
 

@@ -94,7 +94,7 @@ def write_result(result: Evaluation, path: Path) -> None:
 
     Raises a `ValueError` if the file exists, if it cannot be written, or if the extension is not in `EXPORT_WRITERS`.
     """
-    check_ending(path, {ending: description for ending, (description, _) in EXPORT_WRITERS.items()})
+    check_file_extension(path, {extension: description for extension, (description, _) in EXPORT_WRITERS.items()})
     EXPORT_WRITERS[path.suffix.lower()][1](result, path)
 
 
@@ -103,7 +103,7 @@ def write_table_at_loads(result: Evaluation, path: Path, load: Any) -> None:
 
     Raises a `ValueError` as `write_result` does.
     """
-    check_ending(path, {ending: description for ending, (description, _) in TABLE_FORMATS.items()})
+    check_file_extension(path, {extension: description for extension, (description, _) in TABLE_FORMATS.items()})
     check_creatable(path, ValueError)
     write_new_text_file(path, TABLE_FORMATS[path.suffix.lower()][1](result.summary(load)))
 
@@ -130,7 +130,9 @@ def write_shear_parameters(test: xarray.Dataset, path: Path, units: UnitSystem =
 
     Raises a `ValueError` as `write_result` does.
     """
-    check_ending(path, {ending: description for ending, (description, _) in SHEAR_PARAMETER_FORMATS.items()})
+    check_file_extension(
+        path, {extension: description for extension, (description, _) in SHEAR_PARAMETER_FORMATS.items()}
+    )
     write_new_text_file(path, SHEAR_PARAMETER_FORMATS[path.suffix.lower()][1](test, units))
 
 
@@ -139,7 +141,7 @@ def check_joint_file(path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> Non
 
     Raises the same errors as `write_joint_table`.
     """
-    check_ending(path, {ending: description for ending, (description, _) in JOINT_FORMATS.items()})
+    check_file_extension(path, {extension: description for extension, (description, _) in JOINT_FORMATS.items()})
     JointUnits.parse(units)
     check_creatable(path, ValueError)
 
@@ -149,8 +151,8 @@ def is_card(path: Path) -> bool:
     return path.suffix.lower() in CARD_FORMATS
 
 
-def check_ending(path: Path, descriptions: Mapping[str, str]) -> None:
+def check_file_extension(path: Path, descriptions: Mapping[str, str]) -> None:
     """Raise a `ValueError` if a file name has none of the extensions for which there are descriptions."""
     if path.suffix.lower() not in descriptions:
-        allowed_extensions = " or ".join(f"{ending} ({text})" for ending, text in descriptions.items())
+        allowed_extensions = " or ".join(f"{extension} ({text})" for extension, text in descriptions.items())
         raise ValueError(f"{printable_path(path)}: the file name must end in {allowed_extensions}")

@@ -15,7 +15,8 @@ from stiction.views.point import coordinate_text
 if TYPE_CHECKING:
     from stiction.study.study import Study
 
-HALF_SLIDING_LOAD_FRACTION = 0.5
+# Fraction of the sliding load at which texts and tables state the slipping fraction of the contact.
+QUOTED_LOAD_FRACTION = 0.5
 # Amplitudes of cyclic tangential loads, as fractions of the sliding load.
 CYCLE_AMPLITUDES = (0.5, 0.9)
 
@@ -26,7 +27,7 @@ def onset_text(onset: OnsetValues) -> str:
     displacement = onset.displacement_at_sliding.in_prefixed_unit()
     if math.isfinite(displacement.value):
         phrases.append(f"pre-sliding displacement {displacement.text()} {displacement.unit}")
-    slipped_area = onset.curve[HALF_SLIDING_LOAD_FRACTION].slipped_area
+    slipped_area = onset.curve[QUOTED_LOAD_FRACTION].slipped_area
     phrases.append(f"{slipped_area.in_unit('%', 0.01).text()} % of the contact slips at half the sliding load")
     stiffness = onset.stiffness.in_prefixed_unit()
     if math.isfinite(stiffness.value):
@@ -44,7 +45,7 @@ def onset_rows(onset: OnsetValues) -> list[list[str]]:
     stiffness = onset.stiffness.in_prefixed_unit()
     unloading_stiffness = onset.unloading_stiffness.in_prefixed_unit()
     unloading_label = "normal stiffness during unloading, as measured by ultrasound"
-    half_load_point = onset.curve[HALF_SLIDING_LOAD_FRACTION]
+    half_load_point = onset.curve[QUOTED_LOAD_FRACTION]
     estimates = {
         "sliding load (mN)": onset.sliding_load,
         f"pre-sliding displacement ({displacement.unit})": displacement,

@@ -64,9 +64,9 @@ def fill_grid(
     matrix[nodes] = heights
     num_listed = int(np.unique(nodes).size)
     if num_listed < nodes.size:
-        is_contradicting = (matrix[nodes] != heights) & ~(np.isnan(matrix[nodes]) & np.isnan(heights))
-        if is_contradicting.any():
-            index = int(np.argmax(is_contradicting))
+        has_different_height = (matrix[nodes] != heights) & ~(np.isnan(matrix[nodes]) & np.isnan(heights))
+        if has_different_height.any():
+            index = int(np.argmax(has_different_height))
             raise FormatError(
                 f"lists more than one point at {describe_position(index)}, with heights {heights[index]:g} and "
                 f"{matrix[nodes[index]]:g}"

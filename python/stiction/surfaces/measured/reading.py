@@ -221,7 +221,7 @@ def read_profile(
     >>> read_profile(path).extent
     8.0
     """
-    return _read_body(
+    return _read_profile_or_map(
         path,
         validate_read_options(unit, spacing, missing, channel, columns, outliers, crop, missing_value, accept),
         to_profile,
@@ -290,7 +290,7 @@ def read_surface(
     >>> read_surface(path, unit="nm", spacing="0.1 um")
     Surface of 8 × 8 points, 0.1 µm apart, Sq 0.3307 nm, not levelled; read from map.npy
     """
-    return _read_body(
+    return _read_profile_or_map(
         path,
         validate_read_options(unit, spacing, missing, channel, None, outliers, crop, missing_value, accept),
         to_surface,
@@ -350,7 +350,7 @@ def read_measurement(
     >>> read_measurement(path).spacing
     0.5
     """
-    return _read_body(
+    return _read_profile_or_map(
         path,
         validate_read_options(unit, spacing, missing, channel, columns, outliers, crop, missing_value, accept),
         to_profile_or_surface,
@@ -372,7 +372,7 @@ def read_with_interpretation(path: str | os.PathLike[str], **options: Any) -> Fi
     return _interpret_file(path, validate_read_options(**option_values), to_profile_or_surface)  # type: ignore[arg-type]
 
 
-def _read_body(
+def _read_profile_or_map(
     path: str | os.PathLike[str],
     options: ReadOptions,
     convert: Callable[[RawHeights, str, ReadOptions], InterpretedScan[_Body]],

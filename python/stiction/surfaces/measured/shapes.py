@@ -227,12 +227,12 @@ def _find_contradicting_unit_caveat(table: ColumnTable, unit: str | None) -> tup
     declared = table.declared
     if declared.factor is not None or declared.unit is None or unit not in LENGTH_UNITS:
         return ()
-    is_contradicting = (
+    has_different_units = (
         LENGTH_UNITS[declared.unit] != LENGTH_UNITS[unit]
         if declared.unit in LENGTH_UNITS
         else not declared.unapplied_factor_line and _NUMBERED_UNIT_PATTERN.fullmatch(declared.unit) is not None
     )
-    if not is_contradicting:
+    if not has_different_units:
         return ()
     text = f"its header line {printable_text(declared.unit_line)!r} contradicts the unit of its column, {unit}"
     return (FileCaveat("scale", text, "accept it if the column is right"),)
