@@ -19,7 +19,7 @@ double elastic_area(const Ellipse& ellipse, double overlap) {
   return pi * std::sqrt(ellipse.major * ellipse.minor) * overlap;
 }
 
-// Laws other than HertzSphere are applied to a sphere of the mean radius.
+// Laws other than HertzSphere are applied to a sphere whose radius is the geometric mean of the principal radii.
 template <class AnyLaw>
 ForceArea force_and_area(const AnyLaw& law, const ArealCandidate& candidate, double overlap) {
   return law(overlap, candidate.radii);

@@ -304,7 +304,8 @@ class LevelSolver {
   ProjectedCgSolver& cg() { return cg_; }
   // Return whether the potential was recomputed exactly and no step was taken since then.
   bool is_exact() const { return is_exact_; }
-  // Return whether potentials are known at all points with a pressure bound above 0, if each point has its own bound.
+  // Return whether the potential is known at every point whose pressure bound is above 0.
+  // The returned value is defined only if each point has its own bound.
   bool has_all_potentials() const { return !selected_points_ || selects_all_points_; }
 
   // Update the free points. If the approach exceeds `max_approach_`, select more points that can come into contact.
@@ -433,7 +434,7 @@ class LevelSolver {
   ProjectedCgSolver cg_;
   std::vector<float> response_;
   std::vector<float> preconditioned_;  // preconditioned residual on lines
-  // Rows of the grid that contain points with a pressure bound above 0, if each point has its own bound.
+  // Rows of the grid that contain a point whose pressure bound is above 0; empty if all points have the same bound.
   // Potentials are computed in these rows only, because in all other rows no point can carry pressure.
   std::vector<std::size_t> contact_rows_;
   std::optional<Preconditioner> preconditioner_;  // preconditioner of areas

@@ -99,10 +99,10 @@ void mark_possible_cells(const double* lowest, const double* x_low, const double
   }
 }
 
-// Bernstein coefficients of a bicubic polynomial on a square, with x as the inner index.
+// Bernstein coefficients of a bicubic polynomial on a grid cell or a part of a cell, with x as the inner index.
 using Net = std::array<std::array<double, 4>, 4>;
 
-// Bernstein coefficients of several squares. The index of the square is the innermost index.
+// Bernstein coefficients of several cells or parts of cells, whose index is the innermost index.
 template <std::size_t lanes>
 using Nets = std::array<std::array<std::array<double, lanes>, 4>, 4>;
 
@@ -111,7 +111,7 @@ constexpr std::size_t cells_per_batch = 8;
 // Result of the sign tests for a part of a cell: no minimum possible, convex (at most one minimum), or undecided.
 enum class CellClass : unsigned char { excluded, convex, undecided };
 
-// Bernstein coefficients of several squares in SIMD registers.
+// Bernstein coefficients of several cells or parts of cells, one in each lane of the SIMD registers.
 template <std::size_t Width>
 using PackNet = Pack<Width>[4][4];
 

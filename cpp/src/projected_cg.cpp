@@ -412,8 +412,8 @@ double ProjectedCgSolver::approach_from_bounds() const {
   return max_loaded <= min_unloaded ? max_loaded : min_unloaded + 0.5 * (max_loaded - min_unloaded);
 }
 
-// Call the visitor for each run of constrained points.
-// The visitor receives the positions in `free_points_` of both neighbouring free points, and the length of the run.
+// Call the visitor for each run of constrained points, which lies between two free points.
+// The visitor receives the indices of these free points in `free_points_`, and the length of the run.
 // A run that wraps around the edge of the grid is passed as two segments.
 // A segment is described by its first point, its length, and its offset in the run of constrained points.
 template <class Visit>

@@ -11,7 +11,8 @@
 //
 // Without special rules, round-off would decide whether nearly level minima of the gap are contacts.
 // The following rules make the result independent of rotating, mirroring, swapping or shifting the pair of maps:
-// - A slope or a curvature of the gap counts as zero if it is below 2^-26 of the gap range per grid spacing.
+// - Slopes and curvatures, as derivatives by the grid index [µm], count as zero up to 2^-26 of the gap range.
+// - If 2^-42 of the largest height is larger, it is the limit instead, because of round-off.
 // - A minimum of the gap that is not curved upwards in every direction is a level valley or plateau.
 // - A level valley or plateau of the gap is not a contact, because it has no single lowest point.
 // - Grid points on a level plateau count as grid minima without a minimum of the spline.
@@ -88,7 +89,7 @@ struct ArealCandidates {
 inline constexpr double round_off_fraction = 0x1p-46;
 
 /// Relative tolerance within which a valley counts as level.
-/// A height difference between neighbouring points counts as zero if it is below 2^-26 of the gap range.
+/// Derivatives by the grid index are height differences [µm], and count as zero up to 2^-26 of the gap range.
 /// With a tolerance of 2^-26, a minimum is located to about 1e-8 of a grid spacing.
 inline constexpr double level_fraction = 0x1p-26;
 
@@ -143,7 +144,8 @@ std::vector<Contact> contacts(const ArealCandidates& candidates, double approach
 
 /// Compute the contact sums for every direction and approach, ordered by direction, then by approach.
 /// Approaches [µm] must be at least 0 and strictly increasing. Directions are horizontal unit vectors.
-/// The law HertzSphere is applied to the contact ellipse. Other laws are applied to a sphere of the mean radius.
+/// The law HertzSphere is applied to the contact ellipse.
+/// Other laws are applied to a sphere whose radius is the geometric mean of the principal radii.
 /// Throws std::invalid_argument for invalid arguments and for HertzCylinder.
 std::vector<ArealSums> press(const ArealCandidates& candidates, Values approaches, const Law& law,
                              std::span<const Vector2> directions, Sliding sliding,

@@ -24,12 +24,12 @@ struct Asperity {
   Vector3 centre_offset() const { return {-radius * normal.x(), 0.0, -radius * normal.z()}; }
 };
 
-/// Compute the asperity at a point of a profile with slope f' [-] and curvature f'' [1/µm].
+/// Compute the osculating sphere at a point of a profile with slope f' [-] and curvature f'' [1/µm].
 /// With q = sqrt(1 + f'²), the lower surface has the normal (-f', 0, 1)/q and the radius R = -q³/f''.
 /// For the upper surface, the normal and the radius have the opposite sign.
 Asperity asperity(double slope, double curvature, Side side);
 
-/// Asperities at all points of a profile, with the spline derivatives from which they were computed.
+/// Osculating spheres at all points of a profile, with the derivatives of the spline of the profile.
 struct Asperities {
   std::vector<double> slope;      ///< slopes f' [-]
   std::vector<double> curvature;  ///< curvatures f'' [1/µm]
@@ -39,7 +39,7 @@ struct Asperities {
   std::vector<Vector3> centre;
 };
 
-/// Compute the asperities of a profile from its heights [µm] and its grid spacing [µm] > 0.
+/// Compute the osculating spheres at all points of a profile from its heights [µm] and its grid spacing [µm] > 0.
 Asperities asperities(Values heights, double spacing, Side side);
 
 }  // namespace stiction

@@ -79,8 +79,9 @@ struct HalfSpaceSolution {
   double approach = 0.0;
   double error = 0.0;
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
-  /// Gap plus displacement [µm] at the points with a pressure bound above 0, if each point has its own bound.
-  /// `potential` is empty if the solver did not converge, or if it ignored displacements of points that cannot touch.
+  /// Gap plus displacement [µm] at the points whose pressure bound is above 0.
+  /// `potential` is empty if all points have the same bound, or if the solver did not converge.
+  /// It is also empty if the solver ignored the displacements of points that cannot touch.
   std::vector<double> potential;
 };
 

@@ -89,7 +89,7 @@ struct JacksonGreen {
 
 /// Any contact law of the library.
 /// The call operator of a law takes an overlap [µm] > 0 and the principal radii [µm] > 0 of an asperity pair.
-/// All laws in this file use only the mean of the two principal radii.
+/// All laws in this file use only the geometric mean of the two principal radii.
 using Law = std::variant<HertzSphere, HertzCylinder, JacksonGreen>;
 
 /// Create a contact law from its name and its named parameters.

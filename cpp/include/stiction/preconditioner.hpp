@@ -21,7 +21,8 @@ namespace stiction {
 /// A kernel K' on blocks of points describes the slowly varying displacement that distant points cause.
 /// Bilinear weights P interpolate between the blocks and the points.
 /// K is approximately S⁻¹ + P'K'P, and the inverse of this sum is S - SP'(K'⁻¹ + PSP')⁻¹PS. P' is the transpose of P.
-/// Because the blocks are continued periodically, K'⁻¹ is E*|k|/2 at the wavenumber k.
+/// The blocks repeat periodically, so K'⁻¹ multiplies the displacement of wavenumber k by (E*) |k| / 2.
+/// E* is the effective modulus.
 /// K'⁻¹ + PSP' describes a half-space on an elastic foundation of stiffness PSu, with u = 1 at each free point.
 /// A few conjugate-gradient steps solve the linear system of K'⁻¹ + PSP'.
 /// With the preconditioner, the number of solver iterations is almost independent of the grid size.

@@ -38,7 +38,8 @@ struct Sums {
   double normal_adhesive = 0.0;        ///< Σ_sliding A t_z    [mN] per GPa of tau0
   double tangential_adhesive = 0.0;    ///< -Σ_sliding A s·t   [mN] per GPa of tau0
 
-  // Sums that show whether the contacts meet the assumptions of the model. R is the mean radius of a contact.
+  // Sums that show whether the contacts meet the assumptions of the model.
+  // R is the geometric mean of the principal radii of a contact.
   double overlap_load = 0.0;       ///< Σ F n_z overlap/R                       [mN]
   double load_beyond_hertz = 0.0;  ///< Σ F n_z of contacts with overlap > R/10 [mN]
   double load_below_grid = 0.0;    ///< Σ F n_z of contacts with R < Δx         [mN]

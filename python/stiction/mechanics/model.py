@@ -44,9 +44,9 @@ class ContactModel:
     effective_modulus : float, GPa
         E*, with 1/E* = (1 - ν1²)/E1 + (1 - ν2²)/E2.
     law : HertzSphere, HertzCylinder or JacksonGreen, or "hertz-sphere" or "hertz-cylinder"
-        Law of a single contact. On surfaces "hertz-sphere" is the elliptic Hertz contact, `JacksonGreen` uses the
-        sphere of the same mean radius, to which it was fitted, and `HertzCylinder` is rejected, because contacts are
-        not lines.
+        Law of a single contact. On surfaces "hertz-sphere" is the elliptic Hertz contact. `JacksonGreen`, which
+        was fitted to spheres, uses the geometric mean of the principal radii. `HertzCylinder` is rejected, because
+        contacts are not lines.
     detection : {"cell", "gap-minimum"}, optional
         "cell" (Eq. 5): a grid point has a contact if the contact's centre lies in its cell. "gap-minimum": contacts are
         at the local minima of the splined gap, which do not depend on the grid if it resolves the surfaces. The default
