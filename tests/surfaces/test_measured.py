@@ -321,7 +321,7 @@ def test_reading_a_measurement_returns_a_profile_or_a_surface(write_file):
     profile = read_measurement(write_file(TEXTS_BY_FORMAT["brackets, nm"]), spacing=("100 nm", "0.1 um"))
     assert isinstance(profile, Profile)
     assert profile.heights.tolist() == HEIGHTS
-    assert "which has one spacing, but the option gives two spacings" in get_error_message(
+    assert "contains a profile, but the option gives two spacings; give one spacing" in get_error_message(
         write_file(TEXTS_BY_FORMAT["comma"]), read_measurement, spacing=("1 um", "0.1 um")
     )
     surface = read_measurement(

@@ -132,7 +132,7 @@ class TestInstrumentLimit:
     def test_instrument_limit_of_the_smallest_surface_is_set_by_the_pixel_size(self):
         small_surface = Surface([[0.0, 1.0], [2.0, 0.0]], spacing=1.0)
         assert instrument_limit(small_surface).reason == "pixels"
-        with pytest.raises(ValueError, match="surface must have more than 2 × 2 points"):
+        with pytest.raises(ValueError, match=r"surface must have more points .* got 2 × 2 points"):
             surface_spectrum(small_surface).radial()
 
     @pytest.mark.parametrize("hurst", [0.3, 0.5, 0.8])
@@ -357,7 +357,7 @@ class TestNoiseOfAnisotropicMap:
         )
         assert filtered_slope == pytest.approx(clean_slope, rel=0.04)
 
-    def test_noise_fraction_of_the_slope_includes_noise_that_is_hidden_across_the_grooves(self):
+    def test_noise_fraction_of_the_slope_includes_noise_that_roughness_across_the_grooves_hides(self):
         rng = np.random.default_rng(4)
         heights = filtered_noise(rng, (192, 192), 0.8, longest_wavelength=60, stretch=30.0)
         noise = 0.03 * rng.normal(size=heights.shape)

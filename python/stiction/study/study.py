@@ -413,7 +413,7 @@ class Study(SettingsSection):
             ):
                 raise ValueError(f'figures.draw: "{profile_figures[0]}" needs profiles, but surfaces.kind is "surface"')
             if "onset" in figure_names and self.contact.onset is None:
-                raise ValueError('figures.draw: "onset" needs contact.onset, which specifies the strengths')
+                raise ValueError('figures.draw: "onset" needs contact.onset, which specifies mu0 and tau0')
             return self
         if self.figures != FigureSettings():
             raise ValueError("figures.draw: must be omitted for measured surfaces, whose results have all figures")

@@ -430,7 +430,7 @@ class SurfaceSpectrum(TextReprMixin):
         q, _, density = self.waves()
         if not q.size:
             rows, columns = self.density.shape
-            raise ValueError(f"surface must have more than {rows} × {columns} points for a mean over directions")
+            raise ValueError(f"surface must have more points for a mean over directions, got {rows} × {columns} points")
         return RadialSpectrum(*_average_in_bins(per_decade, q, density, np.ones(q.size)))
 
 

@@ -181,7 +181,7 @@ def to_profile(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
         )
     given, other_spacing = options.spacing
     if given != other_spacing:
-        raise FormatError("contains a profile, which has one spacing, but the option gives two spacings")
+        raise FormatError("contains a profile, but the option gives two spacings; give one spacing")
     _require_unit_or_spacing(raw, options)
     heights, unit, caveats, height_history = _convert_heights(raw, options)
     dx, steps, spacing_caveats = _determine_profile_spacing(raw, _choose_position_unit(raw, options), given)

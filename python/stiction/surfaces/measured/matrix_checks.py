@@ -74,7 +74,7 @@ def reject_points_and_statistics(values: Floats, column_numbers: Sequence[int]) 
         raise FormatError(f"has {description}; leave only heights in the file")
 
 
-def reject_coordinates_above_heights(column: Floats) -> None:
+def reject_coordinates_listed_before_heights(column: Floats) -> None:
     """Raise `FormatError` if a column of numbers lists all x, then all y, and then the heights of grid points."""
     if column.size % 3 or column.size < 3 * MIN_GRID_POINTS:
         return

@@ -25,7 +25,7 @@ from stiction.surfaces.measured.header import (
 )
 from stiction.surfaces.measured.matrix_checks import (
     find_wrapped_profile_caveat,
-    reject_coordinates_above_heights,
+    reject_coordinates_listed_before_heights,
     reject_points_and_statistics,
     reject_separate_blocks,
 )
@@ -333,7 +333,7 @@ def _find_height_unit(table: ColumnTable, place: int) -> str | None:
 
 def _reject_positions_above_heights(column: Floats) -> None:
     """Raise `FormatError` if a column of numbers lists all positions first, and all heights afterwards."""
-    reject_coordinates_above_heights(column)
+    reject_coordinates_listed_before_heights(column)
     positions, heights = column[: column.size // 2], column[column.size // 2 :]
     is_divisible = positions.size == heights.size >= MIN_JITTERED_POSITIONS
     if is_divisible and has_equal_steps(positions) and not has_equal_steps(heights):
@@ -355,8 +355,8 @@ def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[st
             # If all heights are whole numbers, only a number directly above the heights may be their count.
             if leading_number_count == place + 1 or (heights[leading_number_count:] % 1 != 0).any():
                 raise FormatError(
-                    f"begins with {leading_number_count} numbers, of which one, {heights[place]:.0f}, counts the "
-                    "remaining numbers; delete these lines, which are not heights"
+                    f"begins with {leading_number_count} numbers that are no heights: {heights[place]:.0f} is the "
+                    f"number of heights below; delete the first {leading_number_count} numbers"
                 )
     if width == 1 and heights.size > 6 and heights[0] * heights[1] == heights.size - 2 and min(heights[:2]) > 1:
         raise FormatError(
