@@ -13,7 +13,7 @@ from stiction import half_space, self_affine_surface, write_surface
 from stiction.companions.onset import NUM_ONSET_MEMBERS_FOR_MAPS, compute_member_onset
 from stiction.companions.resolution import CUTOFF_STUDY_DIRECTORY
 from stiction.solve.store import open_stored_result
-from stiction.study.members import load_bodies
+from stiction.study.members import read_measured_bodies
 from stiction.study.study import Study
 
 NUM_TIMING_ROUNDS = 3
@@ -45,7 +45,7 @@ def measure_command_times(directory: Path, output_name: str) -> tuple[float, flo
 
 def prepare_load_solver(study: Study) -> Callable[[], None]:
     """Return a function that solves prepared members at all loads, in a single direction."""
-    contact, bodies = study.contact, load_bodies(study)
+    contact, bodies = study.contact, read_measured_bodies(study)
     pairs = [
         bodies.member(member, float(wavelength)).pair
         for member in range(study.ensemble.repetitions) for wavelength in study.surfaces.cell_coordinates()["cut_off"]
@@ -87,7 +87,7 @@ def run_benchmark() -> list[tuple[str, str]]:
         )
         tasks = prepare_load_solver(study), prepare_load_solver(cutoff_study), lambda: compute_member_onsets(study)
         # The first solution is not measured, because it imports modules and computes kernels.
-        half_space(*load_bodies(study).member(0, 0.0).pair, [0.1], effective_modulus=100.0)
+        half_space(*read_measured_bodies(study).member(0, 0.0).pair, [0.1], effective_modulus=100.0)
         processor_times = []
         for round_index in range(NUM_TIMING_ROUNDS):
             processor_times.append([measure_processor_time(task) for task in tasks])

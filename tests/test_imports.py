@@ -154,7 +154,7 @@ def test_modules_import_other_modules_by_their_absolute_names():
         list(list_imported_names(source))
 
 
-MODULES_RESTRICTED_FOR_VIEWS = {
+MODULES_THAT_VIEWS_MUST_NOT_CALL = {
     "companions.contact_forces", "companions.contact_picture", "companions.height_scale", "companions.onset",
     "evaluate.maps", "evaluate.member_means", "evaluate.member_values", "solve.member_solution", "solve.runner",
     "solve.store", "study.members", "summary.report_grid",
@@ -171,11 +171,11 @@ ALLOWED_IMPORTS_OF_VIEWS = {
 
 
 def test_views_import_no_modules_for_storage_or_reading_or_statistics():
-    assert set(MODULES) >= MODULES_RESTRICTED_FOR_VIEWS
+    assert set(MODULES) >= MODULES_THAT_VIEWS_MUST_NOT_CALL
     for source in sorted(path.relative_to(PACKAGE_DIRECTORY) for path in (PACKAGE_DIRECTORY / "views").rglob("*.py")):
         for name in list_imported_names(source):
             module, _, imported = name.removeprefix("stiction.").rpartition(".")
-            if module in MODULES_RESTRICTED_FOR_VIEWS:
+            if module in MODULES_THAT_VIEWS_MUST_NOT_CALL:
                 assert imported.isupper() or f"{module}.{imported}" in ALLOWED_IMPORTS_OF_VIEWS, f"{source}: {name}"
 
 
@@ -328,7 +328,7 @@ def dependencies_by_step(tmp_path_factory):
 
 @pytest.mark.parametrize("module", ["files", "report"])
 def test_modules_for_exports_and_reports_do_not_load_matplotlib(module, dependencies_by_step):
-    """Check reports because their numbers are evaluated in a copy of the process while Matplotlib is imported."""
+    """Check reports because their numbers are evaluated in a forked process while Matplotlib is imported."""
     assert "matplotlib" not in dependencies_by_step[module]
 
 

@@ -570,7 +570,7 @@ def _amplitude_effect_on_adhesion_rise(r: ResampledMeans) -> Floats:
     )
 
 
-def _make_relative_change_measure(
+def _make_largest_relative_change_function(
     quantity: ClaimQuantity, changed_parameters: dict[str, float], reference_parameters: dict[str, float]
 ) -> MeasureFunction:
     def measure(r: ResampledMeans) -> Floats | SimultaneousInterval:
@@ -702,28 +702,28 @@ CLAIM_PARTS = (
         f"{_LARGEST_CHANGE_TEXT} area for any D if mu0 changes from 0.1 to 1",
         -math.inf,
         0.1,
-        _make_relative_change_measure("area", *_HIGH_AND_LOW_MU0),
+        _make_largest_relative_change_function("area", *_HIGH_AND_LOW_MU0),
     ),
     ClaimPart(
         "8b",
         f"{_LARGEST_CHANGE_TEXT} area for any D if tau0 changes from 0 to 200 MPa",
         -math.inf,
         0.1,
-        _make_relative_change_measure("area", *_HIGH_AND_ZERO_TAU0),
+        _make_largest_relative_change_function("area", *_HIGH_AND_ZERO_TAU0),
     ),
     ClaimPart(
         "8c",
         f"{_LARGEST_CHANGE_TEXT} stiffness for any D if mu0 changes from 0.1 to 1",
         -math.inf,
         0.1,
-        _make_relative_change_measure("stiffness", *_HIGH_AND_LOW_MU0),
+        _make_largest_relative_change_function("stiffness", *_HIGH_AND_LOW_MU0),
     ),
     ClaimPart(
         "8d",
         f"{_LARGEST_CHANGE_TEXT} stiffness for any D if tau0 changes from 0 to 200 MPa",
         -math.inf,
         0.1,
-        _make_relative_change_measure("stiffness", *_HIGH_AND_ZERO_TAU0),
+        _make_largest_relative_change_function("stiffness", *_HIGH_AND_ZERO_TAU0),
     ),
 )
 """Parts of all claims. Unless stated otherwise, mu0 is 0.4, tau0 is 0, and the load is the middle load."""

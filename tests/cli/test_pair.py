@@ -29,7 +29,7 @@ from stiction.evaluate.at_load import at_load
 from stiction.solve import store
 from stiction.solve.member_solution import solve_at_loads
 from stiction.solve.store import export
-from stiction.study.members import load_bodies
+from stiction.study.members import read_measured_bodies
 from stiction.study.pair_options import validate_option_values
 from stiction.study.pair_study import MeasuredPair
 from stiction.study.values import StudyError
@@ -193,7 +193,7 @@ def test_map_given_as_a_gap_is_levelled_as_requested_and_pressed_on_a_flat(scans
     study = parse_study(
         scans_directory, "--gap", *MAP_ARGUMENTS[1:], *MATERIAL_OPTIONS, *LOAD_OPTION, "--level", "mean"
     )
-    (upper, lower), gap = load_bodies(study).member(0, 0.0).pair, create_surface("lower").heights
+    (upper, lower), gap = read_measured_bodies(study).member(0, 0.0).pair, create_surface("lower").heights
     assert not upper.heights.any()
     np.testing.assert_allclose(upper.heights - lower.heights, gap - gap.mean(), atol=1e-12)
 
@@ -201,7 +201,7 @@ def test_map_given_as_a_gap_is_levelled_as_requested_and_pressed_on_a_flat(scans
 @pytest.mark.parametrize("mechanics", ["half-space", "asperities"])
 def test_closure_stiffness_exceeds_contact_stiffness_only_in_the_half_space_model(scans_directory, mechanics):
     study = parse_study(scans_directory, *MAP_ARGUMENTS, *MATERIAL_OPTIONS, *LOAD_OPTION, "--mechanics", mechanics)
-    upper, lower = load_bodies(study).member(0, 0.0).pair
+    upper, lower = read_measured_bodies(study).member(0, 0.0).pair
     result = solve_at_loads(study, upper, lower, computes_unloading=True)
     stiffness_per_area = 1e6 * result["normal_stiffness"] / np.prod(upper.extent)  # MPa/mm
     if mechanics == "asperities":
@@ -224,11 +224,11 @@ def test_study_of_profiles_contains_file_checksums_and_positions_within_the_trav
     )
     assert study.surfaces.upper.file == str(scans_directory / "upper.csv")
     assert study.surfaces.upper.sha256 == study.surfaces.upper.checksum()
-    assert load_bodies(study).member(0, 0.0).x == pytest.approx(2)
+    assert read_measured_bodies(study).member(0, 0.0).x == pytest.approx(2)
     study = parse_study(
         scans_directory, *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--travel", "2 um", "--offsets", 9
     )
-    offsets = [load_bodies(study).member(index, 0.0).x for index in range(9)]
+    offsets = [read_measured_bodies(study).member(index, 0.0).x for index in range(9)]
     assert 0 < min(offsets) < 0.5
     assert 1.5 < max(offsets) <= 2
 
@@ -1056,8 +1056,8 @@ def test_pair_command_filters_a_noise_floor_only_from_the_noisy_scan():
     assert [float(item) for item in study.surfaces.cut_off] == [limit.cut_off, 0.0]
     assert study.surfaces.both_readings
     assert [float(item.max_cut_off) for item in (study.surfaces.upper, study.surfaces.lower)] == [limit.cut_off, 0.0]
-    filtered_upper, filtered_lower = load_bodies(study).member(0, limit.cut_off).pair
-    raw_upper, raw_lower = load_bodies(study).member(0, 0.0).pair
+    filtered_upper, filtered_lower = read_measured_bodies(study).member(0, limit.cut_off).pair
+    raw_upper, raw_lower = read_measured_bodies(study).member(0, 0.0).pair
     assert np.array_equal(filtered_lower.heights, raw_lower.heights)
     assert not np.array_equal(filtered_upper.heights, raw_upper.heights)
     result = stiction.pair(noisy_profile, clean_profile, onset=0, **options)

@@ -23,7 +23,7 @@ from stiction.companions.resolution import evaluate_at_cutoffs, find_resolution_
 from stiction.solve.store import open_stored_result
 from stiction.study.measured_bodies import MeasuredBodySettings
 from stiction.surfaces.measured.spectrum_file import is_spectrum_file
-from stiction.surfaces.pairing import SpectralSurfacePairs
+from stiction.surfaces.pairing import SurfacePairsFromSpectra
 from support.command import assert_rejected, call_stiction, check_stiction
 
 SPACING, NUM_POINTS = 0.02, 256
@@ -86,7 +86,7 @@ def spectra_directory(tmp_path_factory, surfaces, spectra):
 
 
 def test_surrogates_from_spectra_have_these_spectra_and_equal_phases_at_all_cutoffs(spectra):
-    pairs = SpectralSurfacePairs(*spectra)
+    pairs = SurfacePairsFromSpectra(*spectra)
     assert pairs.spacing[0] == pytest.approx(min(spectrum.shortest for spectrum in spectra) / 4)
     assert pairs.shape[0] * 4 == pytest.approx(3 * pairs.side_length / pairs.spacing[0], abs=4)
     gradients = [
@@ -95,7 +95,7 @@ def test_surrogates_from_spectra_have_these_spectra_and_equal_phases_at_all_cuto
     ]
     expected_gradients = [float(spectrum.roughness().gradient_at(0.3)) for spectrum in spectra]
     assert np.mean(gradients, axis=0) == pytest.approx(expected_gradients, rel=0.1)
-    filtered_pairs = SpectralSurfacePairs(*spectra, cut_off=(0.4, 0.4))
+    filtered_pairs = SurfacePairsFromSpectra(*spectra, cut_off=(0.4, 0.4))
     assert filtered_pairs.spacing == pairs.spacing
     num_points = round(pairs.side_length / pairs.spacing[0])
     surrogate = spectra[1].surface(2016, shape=(num_points, num_points), spacing=pairs.spacing, repetition=3)
@@ -103,7 +103,7 @@ def test_surrogates_from_spectra_have_these_spectra_and_equal_phases_at_all_cuto
     cropped_surrogate = Surface(cut_off(surrogate, 0.4, periodic=True).heights[:rows, :columns], spacing=pairs.spacing)
     assert np.array_equal(filtered_pairs.surrogates(3)[1].heights, levelled(cropped_surrogate, "plane").heights)
     # The spacing of the surrogates follows from the smallest cutoff if all results are filtered.
-    assert SpectralSurfacePairs(*spectra, cut_off=(0.4, 0.4), finest_spacing=0.4).spacing[0] == pytest.approx(0.1)
+    assert SurfacePairsFromSpectra(*spectra, cut_off=(0.4, 0.4), finest_spacing=0.4).spacing[0] == pytest.approx(0.1)
 
 
 def test_friction_interval_from_joined_spectra_contains_the_friction_of_the_complete_surfaces(spectra, surfaces):

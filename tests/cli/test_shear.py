@@ -518,7 +518,7 @@ def test_shear_test_states_that_asperities_shear_first_if_tau0_raises_friction_a
     assert shear_test(*create_faces(), **options).attrs["body_shears_first"] == expected
 
 
-def test_shear_command_prints_a_stored_test_with_strips_again(directory):
+def test_shear_command_reprints_a_stored_shear_test_whose_faces_were_divided_into_strips(directory):
     options = ("--path", "0.2 mm", "--mu0", 0.6, "--hardness", "150 MPa", "--steps", 2, "--strips", 2)
     first_output, second_output = (run_shear(directory, *options).stdout for _ in range(2))
     assert "95 % intervals: scatter between 2 strips of the faces" in first_output

@@ -33,7 +33,7 @@ from stiction.mechanics.presliding import fit_iwan
 from stiction.solve.executors import thread_pool_executor
 from stiction.solve.runner import compute_missing_blocks
 from stiction.solve.store import export, open_stored_result
-from stiction.study.members import load_bodies
+from stiction.study.members import read_measured_bodies
 from stiction.views.layout import format_paragraph
 from stiction.views.onset import onset_paragraph, onset_record, onset_rows, onset_text
 from stiction.views.report import report_page
@@ -67,7 +67,7 @@ def test_onset_of_sliding_of_a_result_is_the_mean_over_all_pairs_of_surfaces(stu
     curves, exact_displacements = [], []
     for index in range(3):
         curve = half_space(
-            *load_bodies(study).member(index, 0.0).pair, [2.0], effective_modulus=100.0, hardness=4.0,
+            *read_measured_bodies(study).member(index, 0.0).pair, [2.0], effective_modulus=100.0, hardness=4.0,
             compliance_share=0.3,
         )  # fmt: skip
         steps = onset["fraction"].values.tolist()
@@ -136,7 +136,7 @@ def test_onset_of_sliding_of_a_result_is_none_if_mu0_and_tau0_are_zero_or_surfac
 
 
 def test_slip_map_contains_the_load_at_which_each_point_slips(study, onset, monkeypatch):
-    upper, lower = load_bodies(study).member(0, 0.0).pair
+    upper, lower = read_measured_bodies(study).member(0, 0.0).pair
     curve = half_space(upper, lower, [2.0], effective_modulus=100.0, hardness=4.0, compliance_share=0.3)
     member_onset = curve.onset(0, mu0=0.3, tau0=0.05, steps=onset["fraction"].values.tolist(), poisson=[0.3, 0.4])
     expected = (member_onset.slip_load() / member_onset.sliding_load).reshape(lower.heights.shape)
@@ -163,7 +163,7 @@ def test_slip_map_contains_the_load_at_which_each_point_slips(study, onset, monk
 def test_onset_result_of_the_asperity_model_lists_every_contact(tmp_path):
     study = create_study_from_files(tmp_path, mechanics="asperities", spacing=write_maps(tmp_path), members=2)
     result = compute_study_onset(study, members=1)
-    pair = load_bodies(study).member(0, 0.0).pair
+    pair = read_measured_bodies(study).member(0, 0.0).pair
     approach = approach_at_load(*pair, 2.0, mu0=0.0, effective_modulus=100.0, sliding="all")
     contact_list = contacts(*pair, float(approach), effective_modulus=100.0, sliding="all")
     np.testing.assert_allclose(result["contact_x"], contact_list.centre[:, 0], rtol=1e-9)

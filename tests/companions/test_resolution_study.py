@@ -16,7 +16,7 @@ from stiction.companions.resolution import (
 from stiction.evaluate.at_load import at_load
 from stiction.solve.runner import compute_missing_blocks
 from stiction.solve.store import open_stored_result
-from stiction.study.members import load_bodies
+from stiction.study.members import read_measured_bodies
 from stiction.surfaces.scale import scale_dependent_roughness
 from stiction.surfaces.surface import Surface
 from stiction.views.resolution import cut_off_rows, resolved_wavelengths_text
@@ -105,7 +105,7 @@ def test_cutoff_study_stored_for_another_hardness_is_ignored(study, tmp_path):
 
 def test_resolved_wavelengths_of_a_study_equal_wavelengths_computed_from_the_gap(study):
     wavelengths = find_resolved_roughness(study)
-    upper, lower = load_bodies(study).member(0, 0.0).pair
+    upper, lower = read_measured_bodies(study).member(0, 0.0).pair
     gap = Surface(upper.heights - lower.heights, spacing=upper.spacing)
     roughness = scale_dependent_roughness(gap)
     assert wavelengths.shortest == pytest.approx(0.2)

@@ -17,7 +17,7 @@ from stiction.evaluate.computed_loads import (
 from stiction.evaluate.point import is_unloaded, iterate_points
 from stiction.evaluate.pull_off import PullOffValues
 from stiction.mechanics.quantities import LOAD_INDEPENDENT_QUANTITIES
-from stiction.study.members import load_bodies
+from stiction.study.members import read_measured_bodies
 from stiction.summary.assessment import (
     MAX_NEGLECTED_ADHESION_FRACTION,
     TYPICAL_WORK_OF_ADHESION,
@@ -69,7 +69,7 @@ def adhesive_result():
 
 def test_contact_sums_of_an_adhesive_pair_equal_sums_of_its_half_space_load_curve(adhesive_result):
     dataset, contact = adhesive_result.dataset.isel(cut_off=0, repetition=1), adhesive_result.study.contact
-    bodies = load_bodies(adhesive_result.study).member(1, 0.0).pair
+    bodies = read_measured_bodies(adhesive_result.study).member(1, 0.0).pair
     directions = {"direction": dataset["direction"].values.tolist(), "sliding": "all"}
     curve = half_space(*bodies, dataset["load"].values, **contact.solver_arguments(), **directions)
     free_curve = half_space(*bodies, [0.0], **contact.solver_arguments(), **directions)

@@ -34,7 +34,7 @@ from stiction.mechanics.quantities import (
 )
 from stiction.solve.member_sums import MemberSums
 from stiction.study.contact_settings import MAX_AREAL_LOAD_RATIO, choose_load_steps
-from stiction.study.members import load_bodies
+from stiction.study.members import read_measured_bodies
 from stiction.study.study import parse_study
 from stiction.views.quantities import quantities_paragraph, quantity_label
 from stiction.views.rows import summary_table, values_frame
@@ -66,7 +66,7 @@ def profile_study_and_dataset(tmp_path_factory):
 
 def test_friction_of_profiles_at_a_load_equals_the_mean_of_press_results_over_positions(profile_study_and_dataset):
     study, result = profile_study_and_dataset
-    pairs = [load_bodies(study).member(index, 0.0).pair for index in range(12)]
+    pairs = [read_measured_bodies(study).member(index, 0.0).pair for index in range(12)]
     # Sort the positions, because the interval of the mean depends on their order.
     order = np.argsort(result["x"].values)
     material = {"mu0": 0.3, "tau0": 0.05}
@@ -102,7 +102,7 @@ def test_friction_is_equal_for_all_definitions_of_load_at_small_slopes(areal_stu
     }  # fmt: skip
 
 
-def test_relative_effect_of_the_load_definition_is_finite_if_friction_is_zero(areal_study_and_dataset):
+def test_relative_effect_of_the_load_definition_on_friction_is_finite_if_friction_is_zero(areal_study_and_dataset):
     _, result = areal_study_and_dataset
     table = at_load(result, [2.0], mu0=[0.0, 0.3], tau0=[0.0])
     assert abs(table["mean_friction"].sel(sliding="all", mu0=0.0, statistic="mean").item()) < 1e-12
@@ -127,7 +127,7 @@ def test_friction_of_generated_profiles_at_a_load_equals_the_value_in_the_fricti
     )  # fmt: skip
 
 
-GENERATED_STUDY = """
+GENERATED_MAPS_STUDY_TEMPLATE = """
 [surfaces]
 kind = "surface"
 fractal_dimension = [1.3]
@@ -150,7 +150,7 @@ tau0 = ["50 MPa"]
 repetitions = 3
 """
 LOADS = 'load = { start = "0.001 mN", stop = "1 mN", count = 4 }'
-GENERATED_STUDIES = {
+MECHANICS_AND_CONTACT_KEYS_BY_STUDY = {
     "asperities": ("asperities", ""),
     "yielding": ("half-space", f'{LOADS}\nhardness = "0.5 GPa"'),
     "adhesive": ("half-space", f'{LOADS}\nwork_of_adhesion = "50 mJ/m^2"'),
@@ -159,15 +159,17 @@ MEAN_LOAD_QUANTITIES = {"normal_load", "tangential_load"}  # computed from the m
 QUANTITIES_PER_NOMINAL_AREA = {"contact_area_fraction", "nominal_pressure", *STIFFNESS_PER_AREA_QUANTITIES}
 
 
-def run_generated_study(name):
-    mechanics, lines = GENERATED_STUDIES[name]
-    return run(parse_study(GENERATED_STUDY.replace("{mechanics}", mechanics).replace("{lines}", lines), name))
+def run_study_of_generated_maps(name):
+    mechanics, lines = MECHANICS_AND_CONTACT_KEYS_BY_STUDY[name]
+    return run(
+        parse_study(GENERATED_MAPS_STUDY_TEMPLATE.replace("{mechanics}", mechanics).replace("{lines}", lines), name)
+    )
 
 
 @pytest.mark.filterwarnings("ignore:adhesion_range")
-@pytest.mark.parametrize("name", GENERATED_STUDIES)
+@pytest.mark.parametrize("name", MECHANICS_AND_CONTACT_KEYS_BY_STUDY)
 def test_data_frame_and_csv_file_of_an_ensemble_contain_every_quantity(name):
-    result = run_generated_study(name)
+    result = run_study_of_generated_maps(name)
     quantities_of_members = {
         str(variable) for variable in result.at(load_definition="elastic").data_vars if QUANTITIES[str(variable)].shown
     }
@@ -192,7 +194,9 @@ def test_values_at_a_load_contain_every_ratio_of_quantities_that_applies_to_the_
         for variable in at_load(dataset, study.friction.load).data_vars
     }  # fmt: skip
     generated_names = {
-        str(variable) for name in GENERATED_STUDIES for variable in run_generated_study(name).at().data_vars
+        str(variable)
+        for name in MECHANICS_AND_CONTACT_KEYS_BY_STUDY
+        for variable in run_study_of_generated_maps(name).at().data_vars
     }
     shown_ratios = {name for name in RATIO_QUANTITIES if QUANTITIES[name].shown}
     assert shown_ratios - measured_names == {"share_overlapping"}  # the half-space model has no overlapping asperities
@@ -200,7 +204,7 @@ def test_values_at_a_load_contain_every_ratio_of_quantities_that_applies_to_the_
 
 
 def test_mean_pressure_of_an_ensemble_is_the_load_divided_by_the_mean_area():
-    values = run_generated_study("yielding").at()
+    values = run_study_of_generated_maps("yielding").at()
     area = values["contact_area"].sel(statistic="mean")
     np.testing.assert_allclose(
         values["mean_pressure"], (values["load"] / area).transpose(*values["mean_pressure"].dims)
@@ -208,14 +212,14 @@ def test_mean_pressure_of_an_ensemble_is_the_load_divided_by_the_mean_area():
 
 
 def test_mean_pressure_has_three_digits_in_tables_and_caveats():
-    point = run_generated_study("yielding").summary().points[0]
+    point = run_study_of_generated_maps("yielding").summary().points[0]
     (table,) = quantities_paragraph([point])
     (text,) = (row[1] for row in table.rows if row[0].startswith("mean pressure"))
     assert text == f"{1e3 * point.mean_pressure:.3g}"
 
 
 def test_overlapping_contacts_of_the_asperity_model_add_a_caveat():
-    result = run_generated_study("asperities")
+    result = run_study_of_generated_maps("asperities")
     ratio = result.at()["share_overlapping"]
     assert 0 <= float(ratio.min()) < float(ratio.max()) <= 1
     assert "share_overlapping" in {caveat.name for point in result.summary().points for caveat in point.caveats}
@@ -268,7 +272,11 @@ def test_closure_stiffness_is_the_derivative_of_load_with_respect_to_mean_closur
     for index in (1, 2):
         loads = steps[index] * np.array([0.998, 1.002])
         closures = np.mean(
-            [half_space(*load_bodies(result.study).member(m, 0.0).pair, loads, **contact).closure for m in range(4)], 0
+            [
+                half_space(*read_measured_bodies(result.study).member(m, 0.0).pair, loads, **contact).closure
+                for m in range(4)
+            ],
+            0,
         )
         expected_stiffness = 1e6 * np.diff(loads)[0] / result.nominal_area / np.diff(closures)[0]
         stiffness = get_means(result.at(steps[index]), "closure_stiffness")
@@ -310,7 +318,7 @@ def test_tangential_stiffness_per_area_excludes_the_mean_tangential_displacement
         compliances = []
         for member in range(4):
             curve = half_space(
-                *load_bodies(result.study).member(member, 0.0).pair, [load], **contact.solver_arguments()
+                *read_measured_bodies(result.study).member(member, 0.0).pair, [load], **contact.solver_arguments()
             )
             onset = curve.onset(0, mu0=0.2, tau0=0.05, steps=[0.002], poisson=contact.poisson)
             ratio = curve.unloading_stiffness[0] / onset.stiffness

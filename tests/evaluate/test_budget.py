@@ -328,16 +328,16 @@ def test_stored_study_preserves_uncertain_inputs() -> None:
         stored_study.with_changes({"friction.tau0": "20..80"})
 
 
-TRUE_SURFACE_COUNT_CASES = [pytest.param(2, id="some"), pytest.param(300, marks=pytest.mark.soak, id="all")]
+SURFACE_PAIR_COUNT_CASES = [pytest.param(2, id="some"), pytest.param(300, marks=pytest.mark.soak, id="all")]
 MIN_COVERAGE = 0.92  # minimum fraction of 300 true values that 95 % intervals contain
 
 
-@pytest.mark.parametrize("num_truths", TRUE_SURFACE_COUNT_CASES)
-def test_combined_interval_contains_the_true_friction_for_random_inputs(num_truths) -> None:
+@pytest.mark.parametrize("num_surface_pairs", SURFACE_PAIR_COUNT_CASES)
+def test_combined_interval_contains_the_true_friction_for_random_inputs(num_surface_pairs) -> None:
     ranges = {"mu0": "0.15..0.25", "tau0": "20..80 MPa", "hardness": "0.5..1.5 GPa", "effective_modulus": "70..90 GPa"}
     num_covered = num_covered_tests = 0
     rng = np.random.default_rng(2016)
-    for seed in range(num_truths):
+    for seed in range(num_surface_pairs):
         # Factors by which the true surfaces have finer grids and shorter wavelengths than the scans.
         refinement = int(rng.choice([1, 2, 4]))
         true_surfaces = rough_surfaces(
@@ -357,12 +357,12 @@ def test_combined_interval_contains_the_true_friction_for_random_inputs(num_trut
         num_covered_tests += (
             predicted_result.prediction_interval[0] <= tested_coefficient <= predicted_result.prediction_interval[1]
         )
-    if num_truths < 100:
-        assert min(num_covered, num_covered_tests) >= num_truths - 1
+    if num_surface_pairs < 100:
+        assert min(num_covered, num_covered_tests) >= num_surface_pairs - 1
         return
-    print(f"covers {num_covered / num_truths:.3f}, next test {num_covered_tests / num_truths:.3f}")
-    assert num_covered / num_truths >= MIN_COVERAGE
-    assert num_covered_tests / num_truths >= MIN_COVERAGE
+    print(f"covers {num_covered / num_surface_pairs:.3f}, next test {num_covered_tests / num_surface_pairs:.3f}")
+    assert num_covered / num_surface_pairs >= MIN_COVERAGE
+    assert num_covered_tests / num_surface_pairs >= MIN_COVERAGE
 
 
 def simulate_friction_test(true_result, rng) -> float:

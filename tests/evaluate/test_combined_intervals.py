@@ -17,7 +17,7 @@ from stiction.evaluate.combined_intervals import (
     compute_quantiles,
 )
 from stiction.evaluate.contact_area import AreaFunction
-from stiction.evaluate.response import ContactResponse, InputValues
+from stiction.evaluate.response import ContactResponseToInputs, InputValues
 from stiction.study.inputs import Inputs
 from support.synthetic_results import measured_study
 
@@ -45,7 +45,7 @@ def build_intervals(
         mu0=mu0, tau0=tau0, hardness=np.nan if hardness is None else hardness, yield_exponent=1.15,
         junction_growth=growth, uses_slip_lines=growth > 0,
     )  # fmt: skip
-    response = ContactResponse(LOAD, sums, areas, central_values)
+    response = ContactResponseToInputs(LOAD, sums, areas, central_values)
     values = response.evaluate(central_values)
     value = float(values.friction_coefficient)
     point = {
@@ -106,13 +106,15 @@ def test_uncertainty_budget_averages_the_remaining_interval_width_over_possible_
     )
     random = np.random.default_rng(3).random((2, 100_000))
 
-    def compute_angle_width(strengths):
+    def compute_friction_angle_interval_width(strengths):
         coefficients = 0.2 + strengths * ELASTIC_AREA / LOAD * 100 / modulus.quantile(random[1])
         return np.ptp(np.arctan(np.quantile(coefficients, [0.025, 0.975])))
 
-    widths = [compute_angle_width(tau0.quantile(quantile)) for quantile in (0.1, 0.5, 0.9)]
+    widths = [compute_friction_angle_interval_width(tau0.quantile(quantile)) for quantile in (0.1, 0.5, 0.9)]
     assert np.mean(widths) > 1.5 * widths[1]
-    expected = np.mean(widths) / compute_angle_width(tau0.quantile(random[0])) * np.ptp(intervals.interval())
+    expected = (
+        np.mean(widths) / compute_friction_angle_interval_width(tau0.quantile(random[0])) * np.ptp(intervals.interval())
+    )
     assert intervals.remaining_interval_width("tau0") == pytest.approx(expected, rel=0.03)
 
 

@@ -41,7 +41,7 @@ DEFAULT_CASES = ((16, 0.8), (64, 0.4), (200, 0.0))
     ],
 )
 @pytest.mark.parametrize("distribution", ["half zeros", "bounded", "lognormal 0.5"])
-def test_interval_of_the_mean_of_correlated_values_contains_the_true_mean_and_is_narrow(
+def test_interval_of_the_mean_of_correlated_values_contains_the_true_mean_and_is_less_than_twice_as_wide_as_needed(
     distribution, positions, correlation
 ):
     random = np.random.default_rng([positions, int(10 * correlation)])

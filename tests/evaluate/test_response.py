@@ -14,7 +14,7 @@ from stiction.evaluate.contact_area import AreaFunction, build_area_functions, i
 from stiction.mechanics.hardness import yielded_area
 from stiction.solve import member_solution
 from stiction.solve.member_sums import MemberSums
-from stiction.study.members import load_bodies
+from stiction.study.members import read_measured_bodies
 from stiction.views.rows import values_frame
 from support.rough_surfaces import rough_maps
 
@@ -49,7 +49,7 @@ def result():
 
 def solve_members(result, load, hardness):
     """Return the areas (µm²) and the adhesive tangential sums of all members, each solved on its own."""
-    bodies, contact = load_bodies(result.study), result.study.contact
+    bodies, contact = read_measured_bodies(result.study), result.study.contact
     curves = [
         half_space(*bodies.member(index, 0.0).pair, [load], **contact.solver_arguments() | {"hardness": hardness})
         for index in range(result.study.ensemble.repetitions)

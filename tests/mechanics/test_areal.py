@@ -68,7 +68,7 @@ def assert_sums_close(curve, expected_curve, tolerance, names=DIRECTION_INDEPEND
         assert np.all(np.abs(actual - expected) <= tolerance * size), (name, actual, expected)
 
 
-class TestSurfacesAgainstReference:
+class TestArealContactAgainstPythonReference:
     @pytest.mark.parametrize("sliding", ["opposing", "all"])
     @pytest.mark.parametrize("curvature", ["signed", "convex"])
     def test_areal_load_curve_agrees_with_the_reference_implementation(self, sliding, curvature):
@@ -155,7 +155,7 @@ def hertz_ellipse_by_axis_ratio(k, longer_radius, overlap, modulus):
     return 2 / 3 * math.pi * a * overlap * modulus / integral_k, math.pi * k * a**2, (a, k * a), longer_radius * ratio
 
 
-class TestSurfacesAgainstExactSolutions:
+class TestArealContactAgainstExactSolutions:
     @pytest.mark.parametrize(("k", "angle"), [(1.0, 0.0), (0.5, 25.0), (0.02, 25.0)])
     def test_contact_of_an_ellipsoid_on_a_flat_equals_hertz_solution(self, k, angle):
         modulus, overlap = 7.0, 1e-5

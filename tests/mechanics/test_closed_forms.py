@@ -233,6 +233,6 @@ def test_closed_form_error_names_the_argument_that_is_not_positive():
         hertz_sphere(np.array([[0.1, -0.5]]), 1.0, 10.0)
 
 
-def test_small_slope_friction_rejects_an_array_for_the_argument_order():
+def test_small_slope_friction_rejects_an_array_as_order_of_the_approximation():
     with pytest.raises(ValueError, match="order must be 1 or 2"):
         stiction.gentle_friction(0.4, rms_gradient=0.04, order=np.array([1, 2]))

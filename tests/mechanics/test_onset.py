@@ -649,21 +649,32 @@ def test_iwan_and_lugre_fits_recover_their_parameters():
     assert np.abs(result.residual).max() < 1e-6
 
 
-def test_onset_data_frame_contains_units_and_fitted_models_contain_residuals(bodies_and_curve):
+def test_onset_data_frame_has_units_in_its_column_names(bodies_and_curve):
     onset = bodies_and_curve[1].onset(1, mu0=0.3, tau0=0.1)
     table = onset.frame()
     assert list(table) == ["tangential_load_mN", "displacement_um", "slipped_area", "slipped_load", "energy_lost_mN_um"]
     assert table.to_csv(index=False).count("\n") == 22
     assert table["displacement_um"].iloc[-1] == onset.displacement_at_sliding
+
+
+def test_fitted_onset_model_has_small_residuals_and_rejects_negative_displacements(bodies_and_curve):
+    onset = bodies_and_curve[1].onset(1, mu0=0.3, tau0=0.1)
     iwan, lugre = onset.iwan(), onset.lugre()
     np.testing.assert_allclose(iwan.load(onset.displacement) - onset.tangential_load, iwan.residual, atol=ROUND_OFF)
     assert np.sqrt(np.mean(iwan.residual**2)) < np.sqrt(np.mean(lugre.residual**2)) < 0.1 * onset.sliding_load
-    for array in (onset.displacement, onset.traction(0), onset.slip_load(), iwan.residual):
-        assert not array.flags.writeable
-    with pytest.raises(ValueError, match="at least 3 loads"):
-        bodies_and_curve[1].onset(1, mu0=0.3, steps=[0.5, 1.0]).iwan()
     with pytest.raises(ValueError, match="displacement must be at least 0"):
         iwan.load(-1.0)
+
+
+def test_arrays_of_an_onset_and_its_fitted_model_are_read_only(bodies_and_curve):
+    onset = bodies_and_curve[1].onset(1, mu0=0.3, tau0=0.1)
+    for array in (onset.displacement, onset.traction(0), onset.slip_load(), onset.iwan().residual):
+        assert not array.flags.writeable
+
+
+def test_onset_model_fit_requires_three_loads(bodies_and_curve):
+    with pytest.raises(ValueError, match="at least 3 loads"):
+        bodies_and_curve[1].onset(1, mu0=0.3, steps=[0.5, 1.0]).iwan()
 
 
 # ---- Bad input ------------------------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Test the evaluation of functions in a copy of the process.
+"""Test the evaluation of functions in a forked process.
 
 Scripts run in processes of their own, because a process with several threads, as of pytest, is not copied.
 """

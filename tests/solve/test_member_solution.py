@@ -8,7 +8,7 @@ from stiction import Profile, approach_at_load, flipped, half_space, levelled, p
 from stiction._errors import NoSolutionError
 from stiction.mechanics.friction import STATUSES
 from stiction.solve import member_solution
-from stiction.solve.contact_statistics import PairSlopes, compute_slopes
+from stiction.solve.contact_statistics import PairSlopeStatistics, compute_slopes
 from stiction.solve.layout import (
     MEMBER_COORDINATE_TYPES,
     build_dataset,
@@ -17,7 +17,7 @@ from stiction.solve.layout import (
     variable_specs,
 )
 from stiction.solve.member_solution import compute_member_arrays, estimate_member_iterations, estimate_member_time
-from stiction.study.members import find_body_attributes, load_bodies
+from stiction.study.members import find_body_attributes, read_measured_bodies
 from support.rough_surfaces import rough_maps
 from support.studies_of_files import create_study_from_files, write_maps, write_profiles
 
@@ -29,7 +29,7 @@ def test_stored_values_of_a_pair_of_maps_equal_values_of_its_half_space_solution
     study = create_study_from_files(tmp_path, mechanics=mechanics, spacing=write_maps(tmp_path))
     loads, angles = study.contact.loading_steps(), study.contact.direction_angles()
     values = compute_member_arrays(study, 2)
-    upper, lower = load_bodies(study).member(2, 0.0).pair
+    upper, lower = read_measured_bodies(study).member(2, 0.0).pair
     for rule, sliding in enumerate(study.contact.sliding_rules()):
         if mechanics == "half-space":
             curve = half_space(upper, lower, loads, effective_modulus=100.0, direction=angles, sliding=sliding)
@@ -60,7 +60,7 @@ def test_unloading_stiffness_of_yielding_bodies_is_computed_only_for_the_first_p
 def test_slope_statistics_of_a_pair_do_not_store_the_slopes():
     upper, lower = rough_maps(points=128)
     tracemalloc.start()
-    slopes = PairSlopes.from_pair(upper, lower)
+    slopes = PairSlopeStatistics.from_pair(upper, lower)
     stored_bytes = tracemalloc.get_traced_memory()[0]
     tracemalloc.stop()
     assert stored_bytes < 0.5 * upper.heights.nbytes
@@ -79,7 +79,7 @@ def test_slope_statistics_of_a_pair_do_not_store_the_slopes():
 def test_stored_values_of_a_pair_of_profiles_equal_sums_over_its_contacts(tmp_path, mechanics):
     study = create_study_from_files(tmp_path, "lines", mechanics, spacing=write_profiles(tmp_path), load="0.05 mN")
     loads = study.contact.loading_steps()
-    values, member = compute_member_arrays(study, 3), load_bodies(study).member(3, 0.0)
+    values, member = compute_member_arrays(study, 3), read_measured_bodies(study).member(3, 0.0)
     scans = [Profile(np.load(tmp_path / f"{side}.npy"), spacing=0.02) for side in ("upper", "lower")]
     upper_profile, lower_profile = (levelled(scan, "line") for scan in scans)
     slider = levelled(Profile(flipped(upper_profile).heights[:600], spacing=0.02), "line")
@@ -164,10 +164,10 @@ def test_estimated_solution_time_of_an_adhesive_pair_increases_with_its_complian
 
 def test_changed_scan_file_is_rejected_when_a_study_loads_its_bodies(tmp_path):
     study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path)).with_checksums()
-    load_bodies(study)
+    read_measured_bodies(study)
     np.save(tmp_path / "upper.npy", np.load(tmp_path / "upper.npy") * 2)
     with pytest.raises(ValueError, match=r"upper\.npy has changed since"):
-        load_bodies(study.with_changes({"ensemble.seed": 5}))
+        read_measured_bodies(study.with_changes({"ensemble.seed": 5}))
 
 
 def create_half_space_study(directory, monkeypatch, num_points, **contact):

@@ -129,10 +129,10 @@ def test_onset_of_sliding_appears_in_table_and_text_and_figure_and_report(study,
     ]  # fmt: skip
     assert all(np.isfinite(line.get_ydata()).any() for line in panels[0].get_lines()[::2])
     report = report_page(result.source)
-    assert "Onset of sliding over fractal dimension" in report
+    assert "Onset of sliding against fractal dimension" in report
     with disable_drawing():
         report_without_onset = report_page(run(Study.named("quick").with_changes(PROFILE_STUDY_CHANGES)))
-    assert "Onset of sliding over fractal dimension" not in report_without_onset
+    assert "Onset of sliding against fractal dimension" not in report_without_onset
 
 
 REJECTED_STUDY_CHANGE_CASES = [

@@ -183,18 +183,20 @@ def test_reading_one_variable_of_a_large_result_decodes_no_other_variable(
     monkeypatch.setattr(
         store, "decode_members", lambda content: decoded_contents.append(content) or decode_members(content)
     )
-    first_pieces = list(stored_result.pieces(["normal_elastic"]))
+    pieces_of_one_variable = list(stored_result.pieces(["normal_elastic"]))
     assert len(decoded_contents) == len(stored_result.blocks)
     monkeypatch.setattr(
         store, "_read_variable", lambda file, name, *shape: read_names.add(name) or read_variable(file, name, *shape)
     )
-    second_pieces = list(stored_result.pieces(["normal_elastic", "contact_count"]))
+    pieces_of_two_variables = list(stored_result.pieces(["normal_elastic", "contact_count"]))
     assert len(decoded_contents) == len(stored_result.blocks)
     assert read_names == {"normal_elastic", "contact_count"}
     expected_pieces = Result(uninterrupted_dataset).pieces(["normal_elastic", "contact_count"])
-    for first_piece, second_piece, expected in zip(first_pieces, second_pieces, expected_pieces, strict=True):
-        assert_same_bits(second_piece, expected)
-        assert_same_bits(first_piece, expected[["normal_elastic"]])
+    for piece_of_one_variable, piece_of_two_variables, expected in zip(
+        pieces_of_one_variable, pieces_of_two_variables, expected_pieces, strict=True
+    ):
+        assert_same_bits(piece_of_two_variables, expected)
+        assert_same_bits(piece_of_one_variable, expected[["normal_elastic"]])
     # A block that is removed, or replaced by a block of another shape, leads to an error that names the file.
     path = find_block_file(directory_copy, 8)
     path.write_bytes(find_block_file(directory_copy, 20).read_bytes())

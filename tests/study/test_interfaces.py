@@ -233,7 +233,7 @@ def test_interval_at_another_mu0_equals_the_interval_of_a_study_with_this_mu0(re
     assert widths[0] > 1.2 * widths[1]
 
 
-def test_independent_ranges_of_mu0_and_tau0_replace_a_missing_interface_file(film_file, tmp_path) -> None:
+def test_mu0_and_tau0_have_independent_ranges_if_the_interface_file_is_missing(film_file, tmp_path) -> None:
     copy = shutil.copy(film_file, tmp_path)
     result = pair(*rough_surfaces(), interface=copy, **PAIR_OPTIONS)
     joint_interval, path = result.interval, result.path

@@ -72,7 +72,7 @@ def test_pair_generation_rejects_invalid_arguments(repetition, dimension, amplit
 def test_measured_bodies_are_filtered_only_once_for_all_threads(tmp_path):
     spacing = write_maps(tmp_path, shape=(256, 256))
     study = pair_study(tmp_path / "upper.npy", tmp_path / "lower.npy", spacing=spacing, unit="um", **MATERIAL)
-    bodies, num_threads = members_module.load_bodies(study), 4
+    bodies, num_threads = members_module.read_measured_bodies(study), 4
     barrier = threading.Barrier(num_threads)
 
     def find_members(cutoff):

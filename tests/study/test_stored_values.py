@@ -35,14 +35,17 @@ def read_first_block(directory):
     return sorted((directory / BLOCKS_DIRECTORY).iterdir())[0].read_bytes()
 
 
-def change_file(content, name, change):
-    """Return the bytes of a file after a change of a variable or, if the name follows "@", of an attribute."""
+def replace_in_file(content, name, replacement):
+    """Return the bytes of a file with a new variable or, if the name follows "@", with a new attribute.
+
+    `replacement` is a function of the values of the variable, or the new value of the attribute.
+    """
     stream = io.BytesIO(content)
     with h5py.File(stream, "r+") as file:
         if name.startswith("@"):
-            file.attrs[name[1:]] = change
+            file.attrs[name[1:]] = replacement
         else:
-            rewrite_variable(file, name, change)
+            rewrite_variable(file, name, replacement)
     return stream.getvalue()
 
 
@@ -77,14 +80,14 @@ IMPOSSIBLE_VALUES = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("kind", "name", "change"), IMPOSSIBLE_VALUES)
+@pytest.mark.parametrize(("kind", "name", "replacement"), IMPOSSIBLE_VALUES)
 def test_stored_block_with_impossible_values_is_rejected_with_the_name_of_the_variable(
-    result_directories, kind, name, change
+    result_directories, kind, name, replacement
 ):
     content = read_first_block(result_directories[kind])
     decode_members(content)
     with pytest.raises(DamagedFileError, match=name.removeprefix("@")) as error_info:
-        decode_members(change_file(content, name, change))
+        decode_members(replace_in_file(content, name, replacement))
     assert len(str(error_info.value).splitlines()) == 1
 
 
@@ -115,9 +118,9 @@ def change_at_random(content, random):
     with h5py.File(io.BytesIO(content)) as file:
         names = [name for name in file if file[name].dtype.kind == "f" and file[name].size]
     name = str(random.choice(names))
-    change = RANDOM_CHANGES[random.integers(len(RANDOM_CHANGES))]
+    change_values = RANDOM_CHANGES[random.integers(len(RANDOM_CHANGES))]
     with np.errstate(all="ignore"):
-        return change_file(content, name, lambda values: change(values, random)), name
+        return replace_in_file(content, name, lambda values: change_values(values, random)), name
 
 
 @pytest.mark.parametrize("kind", ["maps", "profiles", "generated"])

@@ -5,7 +5,7 @@ import pytest
 import xarray
 from stiction import Profile, Result, contacts, open_result, run
 from stiction.companions.contact_forces import build_contact_forces
-from stiction.study.members import load_bodies, pair_of
+from stiction.study.members import pair_of, read_measured_bodies
 from stiction.summary.figure_values import (
     evaluate_positions,
     find_opposing_contacts,
@@ -53,7 +53,7 @@ def test_contact_forces_of_measured_profiles_are_taken_from_the_first_pair_in_co
     first_index = int(np.flatnonzero(members["contact_count"].values > 0)[0])
     assert forces.attrs["load_mN"] == load
     assert forces.attrs["approach_um"] == float(members["approach"][first_index])
-    member = load_bodies(result.study).member(int(members["repetition"][first_index]), 0.0)
+    member = read_measured_bodies(result.study).member(int(members["repetition"][first_index]), 0.0)
     assert forces.attrs["x"] == member.x
     np.testing.assert_array_equal(forces["lower_height"], member.pair[1].heights)
     assert float(forces["contact_force"].sum()) == pytest.approx(load, rel=0.02)

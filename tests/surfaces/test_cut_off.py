@@ -18,8 +18,8 @@ the Nyquist wavenumber differ by exp(-ln 2 (λ_c/2Δx)²)."""
 TRUNCATION_TOLERANCE = 1e-4
 
 
-def weighted_line_by_definition(heights, spacing, wavelength):
-    """Return the least-squares line at each point, weighted by the Gaussian of ISO 16610-21."""
+def low_pass_filter_by_definition(heights, spacing, wavelength):
+    """Return the height of a least-squares line at each point, with the Gaussian weights of ISO 16610-21."""
     alpha = math.sqrt(math.log(2) / math.pi)
     x = np.arange(heights.size) * spacing
     smoothed_heights = []
@@ -36,15 +36,15 @@ def test_low_pass_filter_equals_locally_weighted_line_fit(points):
     profile = rough_profile(points=200)
     wavelength = points * profile.spacing
     smoothed_heights = cut_off(profile, wavelength).heights
-    expected = weighted_line_by_definition(profile.heights, profile.spacing, wavelength)
+    expected = low_pass_filter_by_definition(profile.heights, profile.spacing, wavelength)
     tolerance = max(WEIGHT_TOLERANCE, 2 ** -((points / 2) ** 2)) * np.ptp(profile.heights)
     assert np.abs(smoothed_heights - expected).max() < tolerance
 
 
 def test_low_pass_filter_smooths_a_surface_along_both_axes():
     surface = self_affine_map(1, 0.7, (40, 60), spacing=(0.5, 0.25))
-    filtered_rows = np.array([weighted_line_by_definition(row, 0.25, 4.0) for row in surface.heights])
-    filtered_heights = np.array([weighted_line_by_definition(column, 0.5, 4.0) for column in filtered_rows.T]).T
+    filtered_rows = np.array([low_pass_filter_by_definition(row, 0.25, 4.0) for row in surface.heights])
+    filtered_heights = np.array([low_pass_filter_by_definition(column, 0.5, 4.0) for column in filtered_rows.T]).T
     # For cutoffs of at least eight points, the error of the fast filter is below 2^-16 of the height range.
     assert np.abs(cut_off(surface, 4.0).heights - filtered_heights).max() < 2**-16 * np.ptp(surface.heights)
 

@@ -21,7 +21,7 @@ from stiction.companions.resolution import find_resolution_limits
 from stiction.evaluate.at_load import at_load
 from stiction.evaluate.load_range import choose_loads_in_range
 from stiction.evaluate.maps import friction_map
-from stiction.study.members import load_bodies
+from stiction.study.members import read_measured_bodies
 from stiction.study.study import parse_study_of_dataset
 from stiction.summary.figure_values import (
     evaluate_area_over_load,
@@ -510,7 +510,7 @@ def test_cutoff_figure_shows_unfiltered_scans_to_the_left_of_the_shortest_cutoff
     assert points["cut_off"].values[0] == 0
     first_cutoff = float(points["cut_off"].values[1])
     limits = find_resolution_limits(points, result.study)
-    assert limits.shortest == pytest.approx(2 * max(load_bodies(result.study).member(0, 0.0).pair[0].spacings))
+    assert limits.shortest == pytest.approx(2 * max(read_measured_bodies(result.study).member(0, 0.0).pair[0].spacings))
     for ratio in (0.7, 1 - 1e-12, 1.0, 2.0):
         shortest_wavelength = ratio * first_cutoff
         (axes, _) = cut_off_figure(replace(limits, shortest=shortest_wavelength)).axes

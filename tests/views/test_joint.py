@@ -13,7 +13,7 @@ import numpy as np
 import pandas
 import pytest
 from stiction import Study, half_space, material, open_result, pair, run, self_affine_surface
-from stiction.study.members import load_bodies
+from stiction.study.members import read_measured_bodies
 from stiction.summary.evaluation import Evaluation
 from stiction.views.files import summary_csv
 from support.command import assert_rejected, call_stiction, check_stiction
@@ -158,8 +158,8 @@ def test_joint_table_of_maps_states_mindlins_ratio_and_missing_percentiles():
     ]
     result = pair(*bodies, load="10 MPa", young="200 GPa,100 GPa", poisson="0.3,0.35", mu0=0.2, shifts=1, onset=0)
     table = result.joint_table("20 MPa", mu0=0.4)
-    compliances = [(1 - nu**2) / young for nu, young in ((0.3, 200), (0.35, 100))]
-    tangential = [(2 - nu) * (1 + nu) / (2 * young) for nu, young in ((0.3, 200), (0.35, 100))]
+    compliances = [(1 - nu**2) / young_modulus for nu, young_modulus in ((0.3, 200), (0.35, 100))]
+    tangential = [(2 - nu) * (1 + nu) / (2 * young_modulus) for nu, young_modulus in ((0.3, 200), (0.35, 100))]
     (row,) = table.rows
     assert row.pressure.value == pytest.approx(20)
     assert table.mu0 == 0.4
@@ -239,7 +239,7 @@ def test_computed_joint_table_has_the_stiffness_of_direct_solutions_at_every_pre
             frame[f"{title} (MPa/mm)"], values_at_pressures[name].sel(statistic="mean"), rtol=1e-6
         )
     study = result.study
-    bodies, contact = load_bodies(study), study.contact.solver_arguments()
+    bodies, contact = read_measured_bodies(study), study.contact.solver_arguments()
     pairs = [bodies.member(member, 0.0).pair for member in range(NUM_POSITIONS)]
     for index in (2, 14, 30):
         loads = result.nominal_area * 1e-3 * pressures[index] * np.array([0.999, 1.001])

@@ -168,7 +168,7 @@ class AreaFactor:
 
 @dataclass(frozen=True)
 class _BallAreaFactor(AreaFactor):
-    """Area factor of a test with a ball.
+    """Contact area of a ball at the onset of sliding, divided by the area without shear at the central E*.
 
     The contact area of a ball is proportional to E*^(-2/3).
     """
@@ -201,7 +201,7 @@ class _BallAreaFactor(AreaFactor):
 
 @dataclass(frozen=True)
 class _AreaFactorFromResult(AreaFactor):
-    """Area factor of a friction test on measured surfaces, from the computed result for these surfaces."""
+    """Ratio of the true to the computed contact area of measured surfaces, from a result for these surfaces."""
 
     area: AreaFunction
     load: float

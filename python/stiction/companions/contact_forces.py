@@ -10,7 +10,7 @@ from stiction._checks import Floats
 from stiction.mechanics.contact import contacts
 from stiction.mechanics.friction import FrictionLaw
 from stiction.study.contact_settings import AsperityModelSettings
-from stiction.study.members import generate_profile_pairs, load_bodies
+from stiction.study.members import generate_profile_pairs, read_measured_bodies
 from stiction.surfaces.profile import Profile
 
 if TYPE_CHECKING:
@@ -118,12 +118,12 @@ def _find_first_touching_pair(result: MemberSums) -> _PairAtApproach | None:
         is_touching = np.isfinite(members["approach"].values) & (members["contact_count"].values > 0)
         if is_touching.any():
             first_member = members.isel(repetition=int(is_touching.argmax()))
-            cut_off = float(first_member["cut_off"])
-            member = load_bodies(result.study).member(int(first_member["repetition"]), cut_off)
+            cutoff_wavelength = float(first_member["cut_off"])
+            member = read_measured_bodies(result.study).member(int(first_member["repetition"]), cutoff_wavelength)
             upper, lower = member.pair
             assert isinstance(upper, Profile) and isinstance(lower, Profile)  # noqa: PT018
             approach, attributes = float(first_member["approach"]), {"load_mN": load, "x": member.x}
-            return upper, lower, approach, {"cut_off": cut_off}, attributes
+            return upper, lower, approach, {"cut_off": cutoff_wavelength}, attributes
     return None
 
 

@@ -27,7 +27,7 @@ from stiction.solve.member_sums import MemberSums
 from stiction.solve.store import CONTACT_PICTURE_FILE, StoredResult, read_companion_file
 from stiction.study.contact_settings import HalfSpaceSettings
 from stiction.study.measured_surfaces import MeasuredSurfaceSettings
-from stiction.study.members import load_bodies, pair_of
+from stiction.study.members import pair_of, read_measured_bodies
 from stiction.study.stored_values import ANY_STORED_VALUE, POSITIVE_STORED_VALUE, AttributeSpec, VariableSpec
 from stiction.study.study import Study
 from stiction.surfaces.pairing import SIDES
@@ -99,7 +99,7 @@ def contact_picture(result: MemberSums | xarray.Dataset, load: float | None = No
     if not np.isfinite(areas).any():
         return None
     index = int(member_table["repetition"].values[find_index_nearest_to_mean(areas)])
-    member = load_bodies(study).member(index, cut_off)
+    member = read_measured_bodies(study).member(index, cut_off)
     solution = PressedPair.solve(study, member.pair, load)
     if solution is None:
         return None
@@ -318,5 +318,5 @@ def _select_members_at_loads(
 
 def _get_member_bodies(study: Study, index: int, cell: dict[str, float]) -> Any:
     if study.is_measured:
-        return load_bodies(study).member(index, cell["cut_off"]).pair
+        return read_measured_bodies(study).member(index, cell["cut_off"]).pair
     return pair_of(study, index, **cell)

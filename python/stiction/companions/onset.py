@@ -30,7 +30,7 @@ from stiction.mechanics.quantities import QUANTITIES, quantity_attributes
 from stiction.solve.executors import wrap_to_use_idle_threads
 from stiction.solve.member_solution import PressedPair, estimate_solution_time
 from stiction.solve.store import ONSET_FILE, read_companion_file
-from stiction.study.members import count_grid_points, load_bodies
+from stiction.study.members import count_grid_points, read_measured_bodies
 from stiction.study.stored_values import ANY_STORED_VALUE, AttributeSpec, VariableSpec
 from stiction.study.study import Study
 from stiction.surfaces.surface import Surface
@@ -138,7 +138,7 @@ def compute_member_onset(
 
     Returns None if the solver fails.
     """
-    member = load_bodies(study).member(index, cut_off)
+    member = read_measured_bodies(study).member(index, cut_off)
     poisson = study.contact.poisson or (DEFAULT_POISSON_RATIO, DEFAULT_POISSON_RATIO)
     try:
         pressed_pair = PressedPair.solve(study, member.pair, load)

@@ -29,7 +29,7 @@ from stiction.mechanics.resolution import TYPICAL_HARDNESSES, spectral_resolutio
 from stiction.solve.companion_study import CompanionStudy
 from stiction.solve.store import STUDY_FILE, StoredResult
 from stiction.study.inputs import Inputs
-from stiction.study.members import find_body_attributes, load_bodies
+from stiction.study.members import find_body_attributes, read_measured_bodies
 from stiction.study.study import Study
 from stiction.surfaces.hurst import HurstEstimate
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
@@ -211,7 +211,7 @@ def find_resolved_roughness(study: Study) -> ResolvedRoughness | None:
 @functools.lru_cache(maxsize=4)
 def _compute_resolved_roughness(study: Study) -> ResolvedRoughness:
     surfaces: Any = study.surfaces
-    bodies = load_bodies(study)
+    bodies = read_measured_bodies(study)
     cut_off = surfaces.reported_cut_off()
     upper, lower = bodies.member(_find_first_scan_member(study), cut_off).pair
     gap = replace(upper, heights=upper.heights - lower.heights, history=(), missing=None)

@@ -20,7 +20,7 @@ from stiction.evaluate.contact_area import build_area_functions
 from stiction.evaluate.ensemble_means import average_ensemble
 from stiction.evaluate.intervals import MAX_RELATIVE_ROUND_OFF
 from stiction.evaluate.load_range import replace_zero_load
-from stiction.evaluate.maps import MAP_CELL_DIMENSIONS, choose_mu0_and_tau0
+from stiction.evaluate.maps import MAP_CELL_DIMENSION_NAMES, choose_mu0_and_tau0
 from stiction.evaluate.member_means import AdjacentLoadValues, average_members
 from stiction.evaluate.member_values import LoadDefinition, MemberKind, evaluate_members
 from stiction.mechanics.closed_forms import gentle_friction
@@ -131,7 +131,7 @@ def at_load(
         # A coefficient of 0 would give the quotient 0/0.
         is_zero = np.abs(coefficient.values) <= MAX_RELATIVE_ROUND_OFF
         coefficient = coefficient.copy(data=np.where(is_zero, np.nan, coefficient.values))
-        other_dims = [str(dim) for dim in coefficient.dims if dim not in (*MAP_CELL_DIMENSIONS, "load")]
+        other_dims = [str(dim) for dim in coefficient.dims if dim not in (*MAP_CELL_DIMENSION_NAMES, "load")]
         point["load_definition_effect"] = abs(other_coefficient / coefficient - 1).max(other_dims)
     return point.assign_attrs(load_definition=load_definition)
 

@@ -31,7 +31,7 @@ from stiction.evaluate.contact_area import build_area_functions, compute_load_ex
 from stiction.evaluate.intervals import ScanPairMean, average_scan_pairs
 from stiction.evaluate.member_values import estimate_area_error, interpolate_member_sums, member_values
 from stiction.evaluate.point import list_rules_with_reported_first
-from stiction.evaluate.response import ContactResponse, InputValues, build_closure_curves
+from stiction.evaluate.response import ContactResponseToInputs, InputValues, build_closure_curves
 from stiction.mechanics.friction import LOAD_SUM_NAMES, sums_per_load
 from stiction.mechanics.quantities import INTERVAL_KIND_ATTRIBUTE, ZERO_LOAD_SUM_QUANTITIES, quantity_attributes
 from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, AlternativeName, load_stored_alternatives
@@ -457,7 +457,7 @@ def _iterate_intervals(
     for position in np.ndindex(*shape):
         indices = dict(zip(dims, position, strict=True))
         point = {name: values[position] for name, values in values_by_name.items()}
-        response = ContactResponse(
+        response = ContactResponseToInputs(
             float(loads[indices["load"]]),
             sums_per_load({name: sums[position] for name, sums in sums_by_name.items()}),
             areas[indices.get("cut_off", 0)],

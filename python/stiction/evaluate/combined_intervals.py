@@ -1,7 +1,7 @@
 """Combined intervals of all quantities at one load, μ0 and τ0, from samples of the uncertain inputs.
 
 The uncertain inputs, the scatter between positions, and the unresolved roughness are propagated by sampling (JCGM 101,
-2008) through the `ContactResponse`.
+2008) through the `ContactResponseToInputs`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats, make_read_only
 from stiction._estimate import Interval
 from stiction.evaluate.intervals import MAX_DEGREES_OF_FREEDOM, ScanPairMean
-from stiction.evaluate.response import AreasBeforeShear, ContactResponse, InputValues, ResponseValues
+from stiction.evaluate.response import AreasBeforeShear, ContactResponseToInputs, InputValues, ResponseValues
 from stiction.mechanics.brackets import friction_range_for_finer_scans, max_friction_for_finer_scans
 from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT, FrictionLaw
 from stiction.mechanics.quantities import find_upper_bound
@@ -83,7 +83,7 @@ class JointSamples:
 _RESPONSE_INPUT_NAMES = (
     "mu0", "tau0", "hardness", "yield_exponent", "junction_growth", "area_loss", "size_effect",
 )  # fmt: skip
-"""Names of the inputs that a `ContactResponse` takes. All other inputs are elastic constants, which determine E*."""
+"""Names of the inputs that a `ContactResponseToInputs` takes. Other inputs are elastic constants and determine E*."""
 
 _Value = TypeVar("_Value")
 _NO_FIXED_INPUTS: Mapping[str, float] = MappingProxyType({})
@@ -110,7 +110,7 @@ The ratio states by which factor uncertain inputs change the quantity.
 
 
 def compute_quantity_ratios(
-    response: ContactResponse, inputs: InputValues, values: ResponseValues, central: ResponseValues
+    response: ContactResponseToInputs, inputs: InputValues, values: ResponseValues, central: ResponseValues
 ) -> dict[RatioName, Floats]:
     """Return the quantities of a contact except the closure, each relative to its value at the central inputs.
 
@@ -175,21 +175,21 @@ class InputSampler:
         """Return E* for samples of the elastic constants, divided by the E* of the study."""
         return self._inputs.relative_modulus(values)
 
-    def find_areas(self, key: Any, response: ContactResponse, inputs: InputValues) -> AreasBeforeShear:
+    def find_areas(self, key: Any, response: ContactResponseToInputs, inputs: InputValues) -> AreasBeforeShear:
         """Return the true areas before shear for samples of the inputs.
 
         The areas are cached, because all mu0 share them.
         """
         return _get_cached(self._areas, key, MAX_CACHED_AREAS, partial(response.areas_before_shear, inputs))
 
-    def find_yield_pressure(self, key: Any, response: ContactResponse, inputs: InputValues) -> Any:
+    def find_yield_pressure(self, key: Any, response: ContactResponseToInputs, inputs: InputValues) -> Any:
         """Return the yield pressures (GPa) for samples of the inputs.
 
         The pressures are cached for other loads with the same `key`.
         """
         return _get_cached(self._pressures, key, MAX_CACHED_PRESSURES, partial(response.yield_pressure, inputs))
 
-    def find_closures(self, key: Any, response: ContactResponse, inputs: InputValues) -> Floats:
+    def find_closures(self, key: Any, response: ContactResponseToInputs, inputs: InputValues) -> Floats:
         """Return the closures (µm) at the computed loads for samples of the inputs.
 
         The closures do not depend on mu0 and tau0. The closures of the last key are cached for other loads. Samples
@@ -240,7 +240,7 @@ class CombinedIntervals:
     """
 
     def __init__(
-        self, point: Mapping[str, Any], response: ContactResponse, central: ResponseValues, study: Study,
+        self, point: Mapping[str, Any], response: ContactResponseToInputs, central: ResponseValues, study: Study,
         inputs: Mapping[str, Any], sampler: InputSampler, strengths: Sequence[JointSamples] = (),
         scan_mean: ScanPairMean | None = None, drifts: Mapping[str, float] = MappingProxyType({}),
         area_error: float = 0.0,
@@ -266,9 +266,9 @@ class CombinedIntervals:
         if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
             return
         self.value, self.sampling = value, (lower, upper)
-        # Range of coefficients that finer scans could give.
+        # Range of the coefficient of friction that finer scans could give, computed from the mean coefficient.
         self.finest: tuple[float, float] | None = None
-        # Range of coefficients that finer scans could give, widened by the interval of the mean.
+        # The same range, but with an upper limit computed from the upper end of the interval of the mean coefficient.
         self.bracket: tuple[float, float] | None = None
         is_nonadhesive_half_space = study.uses_half_space and not study.contact.adheres
         if study.contact.hardness is not None and is_nonadhesive_half_space and self.rule == "all":

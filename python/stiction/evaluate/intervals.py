@@ -20,8 +20,8 @@ from stiction._checks import Floats
 
 CONFIDENCE_LEVEL = 0.95
 INTERVAL_STATISTICS = ["mean", "lower", "upper"]
-# Number of loading steps on each side of a load to which the slope of a curve is fitted.
-NUM_SLOPE_FIT_STEPS = 4
+# Number of loading steps on each side of a load to which a straight line is fitted, whose slope is that of the curve.
+NUM_LOAD_STEPS_PER_SIDE_OF_SLOPE_FIT = 4
 MAX_INTERPOLATED_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads that allows interpolation between them."""
 # Maximum number of values in a batch. Larger batches are not evaluated faster.
@@ -385,9 +385,9 @@ def _fit_slopes(quantities: Sequence[Floats], normal: Floats, index: NDArray[np.
 
     Quantities and loads have the shape (p, k), and the indices of the loading steps have the shape (p,).
     """
-    first_step = np.maximum(index - 1 - NUM_SLOPE_FIT_STEPS, 0)[:, np.newaxis]
-    last_step = np.minimum(index + NUM_SLOPE_FIT_STEPS, normal.shape[1] - 1)[:, np.newaxis]
-    window_indices = first_step + np.arange(2 * NUM_SLOPE_FIT_STEPS + 2)
+    first_step = np.maximum(index - 1 - NUM_LOAD_STEPS_PER_SIDE_OF_SLOPE_FIT, 0)[:, np.newaxis]
+    last_step = np.minimum(index + NUM_LOAD_STEPS_PER_SIDE_OF_SLOPE_FIT, normal.shape[1] - 1)[:, np.newaxis]
+    window_indices = first_step + np.arange(2 * NUM_LOAD_STEPS_PER_SIDE_OF_SLOPE_FIT + 2)
     is_inside = window_indices <= last_step
     window_indices = np.minimum(window_indices, last_step)
     count = is_inside.sum(axis=1, keepdims=True)

@@ -36,9 +36,9 @@ DatasetTransformation: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
 # Maximum number of points of load curves that are in memory at the same time for one result cell.
 MAX_VALUES_IN_MEMORY = 2**18
 # Each combination of these dimensions is a cell of a result, which has one roughness or one cutoff.
-MAP_CELL_DIMENSIONS = ("fractal_dimension", "amplitude", "cut_off")
+MAP_CELL_DIMENSION_NAMES = ("fractal_dimension", "amplitude", "cut_off")
 # Only results for several sliding rules or directions have these dimensions.
-MOTION_DIMENSIONS = ("sliding", "direction")
+MOTION_DIMENSION_NAMES = ("sliding", "direction")
 _LOAD_VARIABLES = ("contact_count", *friction.LOAD_SUM_NAMES[:3])
 
 _VARIABLES_BY_QUANTITY = {
@@ -214,7 +214,7 @@ def stiffness_map(
 
 def find_cell_dimensions(dataset: xarray.Dataset) -> list[str]:
     """Return the dimensions of a dataset that distinguish its cells: fractal dimension, amplitude, or cutoff."""
-    return [name for name in MAP_CELL_DIMENSIONS if name in dataset.dims]
+    return [name for name in MAP_CELL_DIMENSION_NAMES if name in dataset.dims]
 
 
 def move_repetitions_last(variable: xarray.Variable, dims: Sequence[str]) -> NDArray[Any]:
@@ -262,7 +262,9 @@ def evaluate_ensemble_quantities(
     dataset = result.head
     strengths = choose_mu0_and_tau0(result, mu0, tau0)
     missing_dimensions = [name for name in ("repetition", find_step_dimension(dataset)) if not dataset.sizes.get(name)]
-    missing_dimensions += [name for name in MAP_CELL_DIMENSIONS if name in dataset.dims and not dataset.sizes[name]]
+    missing_dimensions += [
+        name for name in MAP_CELL_DIMENSION_NAMES if name in dataset.dims and not dataset.sizes[name]
+    ]
     if missing_dimensions or not find_cell_dimensions(dataset):
         raise ValueError(f"the dataset has no dimension {(missing_dimensions or ['fractal_dimension'])[0]!r}")
     for name in itertools.chain.from_iterable(map(_list_required_variables, names)):
@@ -316,7 +318,7 @@ class _EnsembleQuantities:
     ) -> None:  # fmt: skip
         self.head, self.names, self.loads, self.mu0, self.tau0 = head, names, loads, mu0, tau0
         self.step_dimension = find_step_dimension(head)
-        self.dims = [*(motion for motion in MOTION_DIMENSIONS if motion in head.dims), *find_cell_dimensions(head)]
+        self.dims = [*(motion for motion in MOTION_DIMENSION_NAMES if motion in head.dims), *find_cell_dimensions(head)]
         self.cells = tuple(head.sizes[dim] for dim in self.dims)
         self.shape = (*self.cells, loads.size, mu0.size, tau0.size)
         self.ratio_sum_names = [name for name in _RATIO_SUM_NAMES if includes_ratios and name in head]
@@ -392,7 +394,7 @@ class _EnsembleQuantities:
         dimensions = (("load", self.loads), ("mu0", self.mu0), ("tau0", self.tau0))
         coordinates |= {name: (name, axis, quantity_attributes(name)) for name, axis in dimensions}
         dims = tuple(coordinates)
-        scalar_motions = [motion for motion in MOTION_DIMENSIONS if motion in self.head.coords]
+        scalar_motions = [motion for motion in MOTION_DIMENSION_NAMES if motion in self.head.coords]
         coordinates |= {motion: self.head[motion].variable for motion in scalar_motions}
         common_variables: dict[str, Any] = {
             "status": (dims, status, quantity_attributes("status")),
@@ -466,7 +468,7 @@ def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension:
 def _get_values_or_nan(dataset: xarray.Dataset, name: str, step_dimension: str) -> NDArray[Any]:
     """Return a variable with axes for motion, cell, step and repetition, or NaN if the dataset lacks the variable."""
     dims = [
-        *(motion for motion in MOTION_DIMENSIONS if motion in dataset.dims),
+        *(motion for motion in MOTION_DIMENSION_NAMES if motion in dataset.dims),
         *find_cell_dimensions(dataset),
         step_dimension,
         "repetition",

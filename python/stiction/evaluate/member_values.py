@@ -15,7 +15,7 @@ from stiction._units import short_repr
 from stiction.evaluate.contact_area import compute_onset_area_and_friction_factors, iterate_pieces_with_true_areas
 from stiction.evaluate.intervals import MAX_RELATIVE_ROUND_OFF, LoadCrossings
 from stiction.evaluate.load_range import replace_zero_load
-from stiction.evaluate.maps import MOTION_DIMENSIONS, choose_mu0_and_tau0, find_cell_dimensions
+from stiction.evaluate.maps import MOTION_DIMENSION_NAMES, choose_mu0_and_tau0, find_cell_dimensions
 from stiction.mechanics import friction
 from stiction.mechanics.friction import (
     LOAD_SUM_NAMES,
@@ -176,7 +176,7 @@ def interpolate_member_sums(
 
     def evaluate_piece(piece: xarray.Dataset) -> xarray.Dataset:
         sums, load_crossings = _find_load_crossings(piece, loads, names)
-        dims = (*find_cell_dimensions(piece), "repetition", *MOTION_DIMENSIONS, "load")
+        dims = (*find_cell_dimensions(piece), "repetition", *MOTION_DIMENSION_NAMES, "load")
         values = np.broadcast_arrays(*map(load_crossings.interpolate, sums.values()))
         coordinates = {
             str(name): piece.variables[name]
@@ -246,7 +246,7 @@ def _evaluate_piece(
         forces, status = _grow_contacts(forces, status, law, strength_sums, *onset)
     with np.errstate(divide="ignore", invalid="ignore"):
         coefficient = np.where(np.isin(status, STATUSES_WITH_COEFFICIENT), forces.tangential / forces.normal, np.nan)
-    dims = (*member_dims, *MOTION_DIMENSIONS, "load", "mu0", "tau0")
+    dims = (*member_dims, *MOTION_DIMENSION_NAMES, "load", "mu0", "tau0")
     variables: dict[str, Any] = {
         "friction_coefficient": (dims, coefficient, quantity_attributes("friction_coefficient")),
         "normal_load": (dims, forces.normal, quantity_attributes("normal_load")),
@@ -486,7 +486,9 @@ def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law:
     # The value is 1 if a member's pull-off force is only a lower bound, and 0 otherwise.
     is_bound = (_to_float_array(piece.variables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
     zero_load_sums = {
-        name: _to_float_array(piece.variables[name], (*member_dims, *MOTION_DIMENSIONS), missing=True)[..., None, None]
+        name: _to_float_array(piece.variables[name], (*member_dims, *MOTION_DIMENSION_NAMES), missing=True)[
+            ..., None, None
+        ]
         for name in ZERO_LOAD_SUM_QUANTITIES
     }
     direction_axis = len(member_dims) + 1
@@ -541,7 +543,9 @@ def _find_load_crossings(
         else np.where(np.isfinite(elastic_loads), piece[step_dimension].values, np.nan)
     )
     sums = {
-        name: _to_float_array(piece_variables[name], (*member_dims, *MOTION_DIMENSIONS, step_dimension), missing=True)
+        name: _to_float_array(
+            piece_variables[name], (*member_dims, *MOTION_DIMENSION_NAMES, step_dimension), missing=True
+        )
         for name in names
     }
     return sums, LoadCrossings.from_curves(
@@ -557,7 +561,7 @@ def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict
     }
     return {
         name: ((name,), coordinate_values[name][:1], quantity_attributes(name))
-        for name in MOTION_DIMENSIONS
+        for name in MOTION_DIMENSION_NAMES
         if name not in piece.dims
     }
 

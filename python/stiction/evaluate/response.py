@@ -193,7 +193,7 @@ class ResponseValues:
 
 
 @dataclass(frozen=True, eq=False)
-class ContactResponse:
+class ContactResponseToInputs:
     """Response of a pair at one load and sliding rule to changed inputs, averaged over members and directions.
 
     Attributes

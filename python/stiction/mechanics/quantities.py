@@ -114,8 +114,10 @@ class ResultQuantity:
         return "sliding" in self.along
 
 
-CONTACT_SUM_TEXTS = {name: (unit, words) for name, unit, words in stiction._core.quantities()}
-AREAL_CONTACT_SUM_TEXTS = {name: (unit, words) for name, unit, words in stiction._core.areal_quantities()}
+CONTACT_SUM_UNITS_AND_DESCRIPTIONS = {name: (unit, words) for name, unit, words in stiction._core.quantities()}
+AREAL_CONTACT_SUM_UNITS_AND_DESCRIPTIONS = {
+    name: (unit, words) for name, unit, words in stiction._core.areal_quantities()
+}
 """Units and descriptions of the contact sums that only height maps have. The core declares the sums and their order."""
 
 _STEP_DIMENSION: tuple[QuantityAxis, ...] = ("step",)
@@ -144,8 +146,12 @@ _MEASURED_SOURCE: frozenset[QuantitySource] = frozenset({"measured"})
 
 def _make_sum_quantity(name: str, *more_sources: QuantitySource, **properties: Any) -> ResultQuantity:
     """Return the description of a contact sum, with the unit and the words that the C++ core declares."""
-    unit, words = CONTACT_SUM_TEXTS[name] if name in CONTACT_SUM_TEXTS else AREAL_CONTACT_SUM_TEXTS[name]
-    source: QuantitySource = "asperities" if name in CONTACT_SUM_TEXTS else "areal"
+    unit, words = (
+        CONTACT_SUM_UNITS_AND_DESCRIPTIONS[name]
+        if name in CONTACT_SUM_UNITS_AND_DESCRIPTIONS
+        else AREAL_CONTACT_SUM_UNITS_AND_DESCRIPTIONS[name]
+    )
+    source: QuantitySource = "asperities" if name in CONTACT_SUM_UNITS_AND_DESCRIPTIONS else "areal"
     defaults: dict[str, Any] = {
         "kind": "sum", "along": _STEP_DIMENSION, "stored": frozenset({source, *more_sources}),
         "stored_bounds": _NONNEGATIVE_STORED_RANGE,
@@ -580,10 +586,10 @@ def find_upper_bound(name: str, nominal_area: float, *, uses_half_space: bool) -
 
 # ---- Selections of quantities ----------------------------------------------------------------------------------------
 
-SUM_QUANTITIES = tuple(CONTACT_SUM_TEXTS)
+SUM_QUANTITIES = tuple(CONTACT_SUM_UNITS_AND_DESCRIPTIONS)
 """Names of the contact sums of a `LoadCurve` at each approach: fields of `ContactSums`, in the order of the core."""
 
-AREAL_SUM_QUANTITIES = tuple(AREAL_CONTACT_SUM_TEXTS)
+AREAL_SUM_QUANTITIES = tuple(AREAL_CONTACT_SUM_UNITS_AND_DESCRIPTIONS)
 """Names of the additional contact sums of a `SurfaceLoadCurve`, in the order of the core."""
 
 DIRECTED_SUM_QUANTITIES = frozenset(

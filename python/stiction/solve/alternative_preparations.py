@@ -69,10 +69,10 @@ def find_alternative_study(study: Study, path: Path, name: AlternativeName) -> C
 
 def load_stored_alternatives(sums: MemberSums) -> dict[AlternativeName, MemberSums]:
     """Load the stored results for alternative preparations of the scans, by name of the preparation."""
-    return sums.load_companion(_open_alternatives) or {}
+    return sums.load_companion(_open_results_of_alternative_preparations) or {}
 
 
-def _open_alternatives(result: StoredResult) -> dict[AlternativeName, MemberSums] | None:
+def _open_results_of_alternative_preparations(result: StoredResult) -> dict[AlternativeName, MemberSums] | None:
     """Open the finished results for alternative preparations, or return None if no such result is stored."""
     if not result.study.is_measured or not (result.path / ALTERNATIVES_DIRECTORY).is_dir():
         return None

@@ -30,7 +30,7 @@ MAX_CELLS_OF_SMALL_CONTACT = 4
 
 
 @dataclass(frozen=True, eq=False)
-class PairSlopes:
+class PairSlopeStatistics:
     """Slopes of two bodies at their grid points: masks of steep points per body, and mean square slopes of the gap."""
 
     steep_masks: dict[str, NDArray[np.bool_]]
@@ -42,7 +42,7 @@ class PairSlopes:
     gap_mean_product: float
 
     @classmethod
-    def from_pair(cls, upper: Profile | Surface, lower: Profile | Surface) -> PairSlopes:
+    def from_pair(cls, upper: Profile | Surface, lower: Profile | Surface) -> PairSlopeStatistics:
         """Compute the slope statistics of two bodies on the same grid, with slopes of natural cubic splines.
 
         Large arrays are overwritten instead of allocated, because the operating system clears new memory.
@@ -128,7 +128,7 @@ class ContactList:
 
 
 def compute_patch_statistics(
-    solutions: Sequence[ContactSolution], slopes: PairSlopes
+    solutions: Sequence[ContactSolution], slopes: PairSlopeStatistics
 ) -> dict[str, NDArray[np.float64]]:
     """Compute the contact statistics that a result stores, from half-space solutions at several loads (first axis).
 
@@ -194,7 +194,7 @@ def tabulate_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> C
     )  # fmt: skip
 
 
-def compute_steep_contact_load_fraction(table: ContactList, slopes: PairSlopes) -> dict[str, float]:
+def compute_steep_contact_load_fraction(table: ContactList, slopes: PairSlopeStatistics) -> dict[str, float]:
     """Compute, for each body, the load fraction on contacts that are steeper than 90 % of the body's grid points."""
     magnitude = np.hypot(table.slope_x, table.slope_y)
     total_load = table.force.sum()

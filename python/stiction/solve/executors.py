@@ -1,4 +1,4 @@
-"""Execution of tasks in threads, on a cluster or in a copy of the process, with a progress bar."""
+"""Execution of tasks in threads, on a cluster or in a forked process, with a progress bar."""
 
 from __future__ import annotations
 

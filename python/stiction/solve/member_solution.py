@@ -41,7 +41,7 @@ from stiction.mechanics.solution_record import SolutionRecord
 from stiction.solve.contact_statistics import (
     QUANTILE_PROBABILITIES,
     ContactList,
-    PairSlopes,
+    PairSlopeStatistics,
     compute_patch_statistics,
     compute_steep_contact_load_fraction,
     tabulate_asperity_contacts,
@@ -56,7 +56,7 @@ from stiction.study.members import (
     generate_profile_pairs,
     generate_unscaled_surface,
     get_first_pair,
-    load_bodies,
+    read_measured_bodies,
     scale_surface_to_amplitude,
 )
 from stiction.study.study import Study
@@ -114,7 +114,7 @@ def solve_at_loads(
         for name in list_variable_names(study)
         if name not in GAP_QUANTITIES
     }
-    slopes = PairSlopes.from_pair(upper, lower) if study.is_measured else None
+    slopes = PairSlopeStatistics.from_pair(upper, lower) if study.is_measured else None
     if isinstance(contact, HalfSpaceSettings):
         _solve_half_space(contact, upper, lower, values, slopes, record, computes_unloading=computes_unloading)
         if computes_elastic_area and "elastic_area" in values:
@@ -155,7 +155,7 @@ def _solve_half_space(
     upper: Any,
     lower: Any,
     values: ArraysByName,
-    slopes: PairSlopes | None,
+    slopes: PairSlopeStatistics | None,
     record: SolutionRecord | None,
     *,
     computes_unloading: bool,
@@ -645,7 +645,7 @@ def _solve_measured_member(
     is_early = index - study.surfaces.first_scan_member_index < NUM_UNLOADING_MEMBERS
     computes_unloading = is_early or not study.is_areal
     computes_elastic_area = index in find_elastic_members(study)
-    bodies = load_bodies(study)
+    bodies = read_measured_bodies(study)
     for cell_index, wavelength in enumerate(study.surfaces.cell_coordinates()["cut_off"]):
         member = bodies.member(index, float(wavelength))
         arrays |= {name: np.asarray(getattr(member, name)) for name in ("x", "y", "line", "surrogate")}

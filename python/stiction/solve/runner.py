@@ -352,9 +352,9 @@ def _describe_remaining_work(
     )
 
 
-# Minimum remaining time (s) for which a new estimate of the run time is printed.
+# A new estimate of the run time is printed only if the remaining time (s) is at least this long.
 MIN_REPORTED_TIME = 60.0
-# Minimum ratio of the measured to the first estimated time of a member for which a new estimate is printed.
+# A new estimate is printed only if a member takes at least this many times its estimated time.
 MIN_TIME_RATIO_FOR_NEW_ESTIMATE = 1.5
 
 

@@ -579,7 +579,7 @@ def create_or_open_result(path: str | Path, study: Study, claim: DirectoryClaim 
     stored_result = StoredResult(path, study, _list_block_files(path))
     _check_resumable(stored_result)
     if os.path.lexists(path / STUDY_FILE) and not _contains_study(path, study):
-        _check_replaceable(path, study)
+        _check_study_file_may_be_replaced(path, study)
     try:
         with DirectoryClaim(path) if claim is None else nullcontext(claim) as claim:
             (path / BLOCKS_DIRECTORY).mkdir(parents=True, exist_ok=True)
@@ -614,7 +614,7 @@ def _write_study_file(stored_result: StoredResult, claim: DirectoryClaim) -> Non
             check_unused(path, claim)
         # The blocks are listed after the search for claims, because a run's claim outlasts the writing of its blocks.
         _check_resumable(stored_result.reload())
-        _check_replaceable(path, study)
+        _check_study_file_may_be_replaced(path, study)
         _files.write_atomically(path / STUDY_FILE, content)
 
 
@@ -717,7 +717,7 @@ def _is_old_study_file(path: Path, header: bytes, text: bytes) -> bool:
         return False
 
 
-def _check_replaceable(path: Path, study: Study) -> None:
+def _check_study_file_may_be_replaced(path: Path, study: Study) -> None:
     """Raise a `StudyMismatchError` if the study file in a directory was edited, and must therefore not be replaced."""
     try:
         check_unedited(path)

@@ -157,9 +157,9 @@ def _repeat_single_value(value: Any) -> Any:
     return 2 * values if len(values) == 1 else values
 
 
-_for_both_bodies = BeforeValidator(_repeat_single_value)
-YoungModuli = Annotated[tuple[YoungModulusEntry, YoungModulusEntry], _for_both_bodies]
-PoissonRatios = Annotated[tuple[PoissonRatioEntry, PoissonRatioEntry], _for_both_bodies]
+_repeat_for_both_bodies = BeforeValidator(_repeat_single_value)
+YoungModuli = Annotated[tuple[YoungModulusEntry, YoungModulusEntry], _repeat_for_both_bodies]
+PoissonRatios = Annotated[tuple[PoissonRatioEntry, PoissonRatioEntry], _repeat_for_both_bodies]
 
 
 class OnsetSettings(SettingsSection):

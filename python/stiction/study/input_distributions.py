@@ -86,7 +86,7 @@ MAX_CREEP_EXPONENT = 0.5
 
 @dataclass(frozen=True)
 class UncertainInput:
-    """Probability distribution of an input in core units: an exact number, or limits and a type of distribution."""
+    """Exact number, or limits and type of the probability distribution of an input, in core units (µm, GPa, mN)."""
 
     # Central value of an input: a number, or the mean of its limits (geometric for a log-normal distribution).
     value: float
@@ -114,7 +114,7 @@ class UncertainInput:
 
     @property
     def distribution_text(self) -> str:
-        """Distribution in core units, as in "log-normal 1.059..1.294".
+        """Distribution in core units (µm, GPa, mN), as in "log-normal 1.059..1.294".
 
         It is the same text for every unit of the input.
 
@@ -148,7 +148,7 @@ class UncertainInput:
 
 
 def parse_uncertain_input(name: str, source: Any, kind: InputKind = "") -> UncertainInput:
-    """Parse an input: a number in core units, or a text such as "200 MPa", "20..80 MPa" or "150 ± 10 % HV".
+    """Parse a number in core units (µm, GPa, mN), or a text such as "200 MPa", "20..80 MPa" or "150 ± 10 % HV".
 
     Raises
     ------
@@ -262,7 +262,7 @@ def _parse_number(name: str, text: str) -> float:
 
 
 def _parse_value(name: str, source: Any, kind: str) -> float:
-    """Parse a nonnegative number, or a quantity with a unit, and return it in core units.
+    """Parse a nonnegative number, or a quantity with a unit, and return it in core units (µm, GPa, mN).
 
     A text contains a unit if `kind` is not empty.
     """

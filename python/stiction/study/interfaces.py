@@ -321,10 +321,10 @@ class InterfaceStrength:
 
     @cached_property
     def sampled_fits(self) -> tuple[tuple[StrengthFit, float], ...]:
-        """Fits whose samples every interval covers, each with the probability of its samples that an interval contains.
+        """Pairs of a fit and the fraction of its samples that every interval must contain.
 
-        The first fit has 95 %. The fits with mu0 = 0 and with tau0 = 0 have the less, the less likely these values are,
-        and are missing if the tests exclude them (see `compute_coverage_at_bound`).
+        The fraction is 95 % for the first fit. For the fits with mu0 = 0 and with tau0 = 0, the fraction decreases
+        with the probability of these values; fits that the tests exclude are missing (see `compute_coverage_at_bound`).
         """
         fit = self.fits[0]
         bounds = (

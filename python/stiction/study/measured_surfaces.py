@@ -37,7 +37,7 @@ from stiction.surfaces.pairing import (
     SIDES,
     IsotropicSurfacePairs,
     LinePairs,
-    SpectralSurfacePairs,
+    SurfacePairsFromSpectra,
     SurrogateBodies,
     to_joined_spectrum,
 )
@@ -303,7 +303,7 @@ class SurrogateSettings(CommonMeasuredSurfaceSettings):
         if isinstance(upper_scan, JoinedSpectrum) or isinstance(lower_scan, JoinedSpectrum):
             shortest_cutoff = float(self.cell_coordinates()["cut_off"].min())
             return MapMemberSource(
-                SpectralSurfacePairs(
+                SurfacePairsFromSpectra(
                     to_joined_spectrum(upper_scan),
                     to_joined_spectrum(lower_scan),
                     self.level,

@@ -20,7 +20,7 @@ from stiction.surfaces.pairing import (
     IsotropicSurfacePairs,
     LinePairs,
     MapPairs,
-    SpectralSurfacePairs,
+    SurfacePairsFromSpectra,
     piece_below_slider,
     quasi_random_point,
 )
@@ -212,7 +212,7 @@ def build_map_pairs(
 class MapMemberSource:
     """Source of ensemble members, each a pair of height maps: pieces of two scans, or surrogates of both scans."""
 
-    pairs: MapPairs | IsotropicSurfacePairs | SpectralSurfacePairs
+    pairs: MapPairs | IsotropicSurfacePairs | SurfacePairsFromSpectra
     scans: tuple[MeasuredBody, MeasuredBody]
     # Number of surrogate pairs, which come before the other members. It is None if all members are surrogates.
     surrogates: int | None = None
@@ -236,7 +236,7 @@ class MapMemberSource:
         pairs = self.pairs
         scans: Sequence[Any] = self.scans
         # The shortest wavelength of a scan is two grid spacings.
-        if isinstance(pairs, SpectralSurfacePairs):
+        if isinstance(pairs, SurfacePairsFromSpectra):
             wavelengths = (max(body.shortest, pairs.finest_spacing) for body in (pairs.upper, pairs.lower))
             scans = [
                 SimpleNamespace(spacing=shortest_wavelength / 2, extent=pairs.side_length)

@@ -334,10 +334,12 @@ def get_first_pair(study: Study) -> Any:
     amplitude. Raises a `ValueError` if files are missing.
     """
     cell = {name: float(values[0]) for name, values in study.surfaces.cell_coordinates().items()}
-    return load_bodies(study).member(0, cell["cut_off"]).pair if study.is_measured else pair_of(study, 0, **cell)
+    return (
+        read_measured_bodies(study).member(0, cell["cut_off"]).pair if study.is_measured else pair_of(study, 0, **cell)
+    )
 
 
-def load_bodies(study: Study) -> PreparedBodies:
+def read_measured_bodies(study: Study) -> PreparedBodies:
     """Load the measured bodies of a study from their files.
 
     The bodies are cached, and are read again only if a file changes.
@@ -345,11 +347,11 @@ def load_bodies(study: Study) -> PreparedBodies:
     surfaces = study.surfaces
     assert isinstance(surfaces, MeasuredSurfaceSettings)
     stamps = tuple(scan.file_stamp() for side in SIDES for scan in getattr(surfaces, side).scans)
-    return _load_cached_bodies(surfaces, study.ensemble.seed, stamps)
+    return _read_cached_bodies(surfaces, study.ensemble.seed, stamps)
 
 
 @functools.lru_cache(maxsize=4)
-def _load_cached_bodies(surfaces: MeasuredSurfaceSettings, seed: int, _: object) -> PreparedBodies:
+def _read_cached_bodies(surfaces: MeasuredSurfaceSettings, seed: int, _: object) -> PreparedBodies:
     return PreparedBodies(surfaces, seed)
 
 
@@ -357,9 +359,9 @@ def check_last_member(study: Study) -> None:
     """Raise a `ValueError` if the measured bodies form fewer members than the study has repetitions."""
     if study.is_measured:
         cutoff = float(study.surfaces.cell_coordinates()["cut_off"][0])
-        load_bodies(study).member(study.ensemble.repetitions - 1, cutoff)
+        read_measured_bodies(study).member(study.ensemble.repetitions - 1, cutoff)
 
 
 def find_body_attributes(study: Study) -> BodyAttributes:
     """Return the attributes of a result that describe the bodies of its study; none for generated bodies."""
-    return load_bodies(study).attributes if study.is_measured else BodyAttributes()
+    return read_measured_bodies(study).attributes if study.is_measured else BodyAttributes()

@@ -41,9 +41,9 @@ _RELATIVE_MODEL_ERROR = 0.1
 # Minimum increase of the log-likelihood for which a spectrum is divided into one more piece with its own power law.
 # The increase must be large: a power law has three parameters and can begin at any of about 50 bins.
 _SPECTRUM_PIECE_PENALTY = 10.0
-# Largest accepted deviance per bin of a spectrum from a power law.
+# Maximum deviance per bin of a piece of a spectrum from its fitted power law.
 # Random scatter causes a deviance of about 1 per bin.
-# A spectrum with a larger deviance consists of separate peaks.
+# A piece with a deviance above this maximum is rejected, because it consists of separate peaks.
 _MAX_DEVIANCE_PER_BIN = 10.0
 # Minimum width of the fitted wave number band in ln(q). It is about half a decade.
 _MIN_BAND_WIDTH = math.log(3)

@@ -322,7 +322,7 @@ class MapPairs:
 
     @cached_property
     def shape(self) -> tuple[int, int]:
-        """Numbers of rows and columns of every piece.
+        """Number of rows and number of columns, which are the same for all pieces.
 
         Raises a `ValueError` if the pieces would be too small.
         """
@@ -439,7 +439,7 @@ class SquarePiecePairs:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Numbers of rows and columns of every piece.
+        """Number of rows and number of columns, which are the same for all pieces.
 
         Raises a `ValueError` if the pieces would be too small.
         """
@@ -508,7 +508,7 @@ def to_joined_spectrum(scan: Profile | Surface | JoinedSpectrum) -> JoinedSpectr
 
 
 @dataclass(frozen=True, eq=False)
-class SpectralSurfacePairs(SquarePiecePairs):
+class SurfacePairsFromSpectra(SquarePiecePairs):
     """Pairs of pieces from periodic, isotropic random height maps with two given spectra.
 
     The spacing is a quarter of the shortest wavelength, so a longer cutoff wavelength gives a larger surface.

@@ -40,7 +40,7 @@ class ParameterDefinition:
     is_fraction: bool = False
 
 
-_HEIGHT_GROUP, _HYBRID_GROUP, _RATIO_CURVE_GROUP = (
+_HEIGHT_GROUP, _HYBRID_GROUP, _MATERIAL_RATIO_GROUP = (
     "height parameters",
     "hybrid parameters",
     "material ratio functions",
@@ -59,13 +59,15 @@ _PROFILE_PARAMETER_TEXTS = {
     "dq": ("root-mean-square slope", _HYBRID_GROUP, r"\left(\frac1l \int (dz/dx)^2\,dx\right)^{1/2}", ""),
     "Sm": ("mean spacing of the profile elements", _ELEMENT_GROUP, r"\frac1m \sum_i X_i", "µm"),
     "c": ("mean height of the profile elements", _ELEMENT_GROUP, r"\frac1m \sum_i Z_i", "µm"),
-    "mr": ("material ratio at the mean line, (c) = 0", _RATIO_CURVE_GROUP, r"\frac1l\,|\{x: z > c\}|", ""),
-    "dc": ("height difference of material ratios 20 % and 80 %", _RATIO_CURVE_GROUP, r"c(20\,\%) - c(80\,\%)", "µm"),
-    "k": ("core height", _RATIO_CURVE_GROUP, r"\text{fall of the core line from 0 to 100 %}", "µm"),
-    "pk": ("reduced peak height", _RATIO_CURVE_GROUP, r"2 A_1/mrk_1", "µm"),
-    "vk": ("reduced pit depth", _RATIO_CURVE_GROUP, r"2 A_2/(1 - mrk_2)", "µm"),
-    "mrk1": ("material ratio at the upper end of the core", _RATIO_CURVE_GROUP, r"mr(\text{core line at 0})", ""),
-    "mrk2": ("material ratio at the lower end of the core", _RATIO_CURVE_GROUP, r"mr(\text{core line at 100 %})", ""),
+    "mr": ("material ratio at the mean line, (c) = 0", _MATERIAL_RATIO_GROUP, r"\frac1l\,|\{x: z > c\}|", ""),
+    "dc": ("height difference of material ratios 20 % and 80 %", _MATERIAL_RATIO_GROUP, r"c(20\,\%) - c(80\,\%)", "µm"),
+    "k": ("core height", _MATERIAL_RATIO_GROUP, r"\text{fall of the core line from 0 to 100 %}", "µm"),
+    "pk": ("reduced peak height", _MATERIAL_RATIO_GROUP, r"2 A_1/mrk_1", "µm"),
+    "vk": ("reduced pit depth", _MATERIAL_RATIO_GROUP, r"2 A_2/(1 - mrk_2)", "µm"),
+    "mrk1": ("material ratio at the upper end of the core", _MATERIAL_RATIO_GROUP, r"mr(\text{core line at 0})", ""),
+    "mrk2": (
+        "material ratio at the lower end of the core", _MATERIAL_RATIO_GROUP, r"mr(\text{core line at 100 %})", "",
+    ),
 }  # fmt: skip
 """Meaning, clause of ISO 21920-2, formula and unit of each profile parameter, by its name without the letter P, R or W.
 """

@@ -504,9 +504,9 @@ def rotated(surface: Surface, angle: float) -> Surface:
 
 
 def interpolate_rotated(surface: Surface, y: Any, x: Any, angle: float) -> tuple[Floats, Any]:
-    """Interpolate the heights of a map that is rotated about its middle by an angle (radians).
+    """Rotate a map about its middle by an angle (radians), and interpolate its heights at the given points.
 
-    The points of the result are at distances y (a column) and x (µm) from the middle. Returns heights and a mask of
+    The given points are at distances y (a column) and x (µm) from the middle. Returns heights and a mask of
     missing points, which is None if the map has no missing points.
     """
     from scipy.interpolate import RectBivariateSpline

@@ -185,7 +185,7 @@ def compare_repeated_scans(
     mean_without_outliers = average((first_heights, second_heights))
     has_outliers = bodies_without_outliers != (first, second)
     scan = average(resample((first, second), shift_in_points)) if has_outliers else mean_without_outliers
-    q, mean_scan_spectrum = mean_square_height_spectrum(mean_without_outliers)
+    q, spectrum_of_mean_scan = mean_square_height_spectrum(mean_without_outliers)
     are_identical = np.array_equal(first_heights, second_heights)
     half_difference_spectrum = (
         np.zeros(q.size)
@@ -198,17 +198,17 @@ def compare_repeated_scans(
     octave_indices = np.maximum(np.floor(np.log2(2 * math.pi / (q * shortest_wavelength)) + 1e-9), 0).astype(np.intp)
     noise, common_roughness = (
         np.sqrt(np.maximum(np.bincount(octave_indices, octave_contributions), 0))
-        for octave_contributions in (2 * half_difference_spectrum, mean_scan_spectrum - half_difference_spectrum)
+        for octave_contributions in (2 * half_difference_spectrum, spectrum_of_mean_scan - half_difference_spectrum)
     )
     wavelength = make_read_only(np.asarray(shortest_wavelength * np.exp2(np.arange(noise.size)), np.float64))
     noise_rms, max_cutoff = (
         float(np.std(first_heights - second_heights) / math.sqrt(2)),
         float(np.min(scan.extent)) / 3,
     )
-    slope_fraction = float(half_difference_spectrum @ q**2 / (mean_scan_spectrum @ q**2))
+    slope_fraction = float(half_difference_spectrum @ q**2 / (spectrum_of_mean_scan @ q**2))
     cutoff = shortest_wavelength
     if slope_fraction > MAX_UNATTRIBUTED_FRACTION:
-        cutoff = _find_noise_cutoff(q, mean_scan_spectrum, half_difference_spectrum, shortest_wavelength, max_cutoff)
+        cutoff = _find_noise_cutoff(q, spectrum_of_mean_scan, half_difference_spectrum, shortest_wavelength, max_cutoff)
     return RepeatedScans(
         scan, shift, correlation, wavelength, make_read_only(noise), make_read_only(common_roughness), noise_rms,
         cutoff, slope_fraction,
@@ -264,7 +264,9 @@ def _are_identical(
     return np.array_equal(first.heights[~is_outlier], second.heights[~is_outlier])
 
 
-def _find_noise_cutoff(q: Floats, mean_scan_spectrum: Floats, noise: Floats, shortest: float, longest: float) -> float:
+def _find_noise_cutoff(
+    q: Floats, spectrum_of_mean_scan: Floats, noise: Floats, shortest: float, longest: float
+) -> float:
     """Return the shortest cutoff (µm) that makes the noise fraction of the mean square slope negligible, or NaN.
 
     The limit of this fraction is `MAX_UNATTRIBUTED_FRACTION`.
@@ -272,7 +274,7 @@ def _find_noise_cutoff(q: Floats, mean_scan_spectrum: Floats, noise: Floats, sho
     cutoff: float
     for cutoff in np.geomspace(shortest, longest, _NUM_TRIAL_CUTOFFS).tolist():
         slope_weight = np.square(q * gaussian_transmission(q, cutoff))
-        if noise @ slope_weight <= MAX_UNATTRIBUTED_FRACTION * (mean_scan_spectrum @ slope_weight):
+        if noise @ slope_weight <= MAX_UNATTRIBUTED_FRACTION * (spectrum_of_mean_scan @ slope_weight):
             return round_up_wavelength(cutoff)
     return math.nan
 

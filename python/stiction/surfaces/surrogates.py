@@ -192,7 +192,7 @@ def isotropic_surface(
     side: Side = "lower",
     periodic: bool = False,
 ) -> Surface:
-    """Generate an isotropic Gaussian height map with the spectrum of a profile, as areal surrogate of the profile.
+    """Generate an isotropic Gaussian height map with the spectrum of a profile, as an areal surrogate.
 
     An ensemble of areal surrogates represents the surface from which the profile was measured, *if* this surface is
     isotropic. A profile across the grooves of a ground surface yields hills instead of grooves, with an rms gradient

@@ -54,7 +54,7 @@ MAX_REPEATED_ROWS = 0.9
 MIN_EQUAL_RUN_LENGTH, MAX_RUN_PROBABILITY = 8, 1e-4
 # The height range in a header is wrong if the height range of the scan is at least 10 times larger.
 # A height range that is smaller than declared by a power of 1000 (within 10 %) indicates a wrong unit.
-MAX_RANGE_RATIO, MAX_RANGE_DEVIATION, UNIT_RATIO = 10.0, 0.1, 1000.0
+MAX_RATIO_TO_DECLARED_HEIGHT_RANGE, MAX_UNIT_FACTOR_DEVIATION, UNIT_FACTOR = 10.0, 0.1, 1000.0
 # Minimum number of points of a scan whose heights are checked. Smaller arrays may be examples.
 MIN_CHECKED_POINTS = 20
 # Smallest plausible spacing (1 Å), largest plausible spacing (1 cm) and largest plausible extent (1 m), in µm.
@@ -382,9 +382,9 @@ def _find_contradicted_height_range(scan: ScannedHeights) -> Iterator[str]:
     if not scan.declared_range or not scan.height_range:
         return
     ratio = scan.height_range / scan.declared_range
-    steps = math.log(ratio, UNIT_RATIO)
-    is_in_other_unit = round(steps) < 0 and abs(ratio / UNIT_RATIO ** round(steps) - 1) < MAX_RANGE_DEVIATION
-    if ratio > MAX_RANGE_RATIO or is_in_other_unit:
+    steps = math.log(ratio, UNIT_FACTOR)
+    is_in_other_unit = round(steps) < 0 and abs(ratio / UNIT_FACTOR ** round(steps) - 1) < MAX_UNIT_FACTOR_DEVIATION
+    if ratio > MAX_RATIO_TO_DECLARED_HEIGHT_RANGE or is_in_other_unit:
         height_range, declared_range = (
             format_with_unit(scan.height_range, "µm"),
             format_with_unit(scan.declared_range, "µm"),

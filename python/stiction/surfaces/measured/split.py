@@ -96,10 +96,11 @@ class Dialect:
         )
 
 
-_PLAIN_DIALECTS = [
+_DIALECTS_WITHOUT_THOUSANDS_SEPARATOR = [
     Dialect("\t", "."), Dialect("\t", ","), Dialect(";", "."), Dialect(";", ","), Dialect("|", "."), Dialect("|", ","),
     Dialect(",", "."), Dialect(None, "."), Dialect(None, ","),
 ]  # fmt: skip
+# Dialects with commas both between cells and as decimal marks. Cells must be quoted.
 _QUOTED_DIALECTS = [Dialect(",", ",")]
 _THOUSANDS_DIALECTS = [
     Dialect(separator, point, thousands)
@@ -198,7 +199,7 @@ def detect_dialect(text: DecodedText, first: int, last: int) -> Dialect:
     sample = [_truncate_line(text.line(item), max_sample_length) for item in sample_lines.tolist()]
     sample = [line for line in sample if line.strip("\t")]
     has_quotes = any('"' in line for line in sample)
-    candidates = [*_PLAIN_DIALECTS, *(_QUOTED_DIALECTS if has_quotes else ())]
+    candidates = [*_DIALECTS_WITHOUT_THOUSANDS_SEPARATOR, *(_QUOTED_DIALECTS if has_quotes else ())]
     counts = [sum(is_numeric_row(line, dialect, text) for line in sample) for dialect in candidates]
     if max(counts) < len(sample):
         candidates += [*_THOUSANDS_DIALECTS, *(_QUOTED_THOUSANDS_DIALECTS if has_quotes else ())]

@@ -103,10 +103,10 @@ def create_figure_with_axes_rows(
 
 
 def friction_figure(values: FrictionOverDimension) -> Figure:
-    """Draw friction as charts over fractal dimension and load, and as curves over fractal dimension.
+    """Draw friction as charts of fractal dimension and load, and as curves against fractal dimension.
 
-    There is one map for each tau0, and one row of panels for each amplitude. Map cells are hatched if the model is not
-    valid, and grey if the 95 % interval is wide.
+    There is one chart for each tau0, and one row of panels for each amplitude. Cells of a chart are hatched if the
+    model is not valid, and grey if the 95 % interval is wide.
     """
     study, maps, curves, strengths = values.study, values.map_points, values.curve_points, values.strengths
     mu0, load, amplitudes = float(maps["mu0"]), float(curves["load"]), maps["amplitude"].values

@@ -236,7 +236,7 @@ LOAD_COLOURS = ("#56b4e9", "#0072b2", "#003a5d")
 
 
 def onset_by_dimension_figure(points: xarray.Dataset, study: Study) -> Figure:
-    """Draw pre-sliding displacement, slip and stiffness over fractal dimension, in one row of panels per amplitude.
+    """Draw pre-sliding displacement, slip and stiffness against fractal dimension, in one row of panels per amplitude.
 
     `points` comes from `evaluate_onset_over_dimension`. Bands are 95 % intervals. Curves are dotted where the model is
     not valid.

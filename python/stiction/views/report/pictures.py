@@ -63,7 +63,10 @@ class FigurePanel:
 
 
 def draw_panels(data: MeasuredReportData | GeneratedReportData) -> dict[bool, str]:
-    """Draw the figures of a report, and return the HTML of main panels (key True) and of other panels (key False)."""
+    """Draw the figures of a report, and return a dictionary with the HTML of its panels.
+
+    The key True stands for the main panels, and the key False for all other panels.
+    """
     panels = list_panels(data)
     return {
         is_main: "".join(panel.markup() for panel in panels if panel.is_main == is_main) for is_main in (True, False)
@@ -97,11 +100,11 @@ def _contact_forces_panel(forces: xarray.Dataset) -> FigurePanel:
 
 
 def _onset_by_dimension_panel(points: xarray.Dataset, study: Study) -> FigurePanel:
-    """Return the panel with the onset of sliding of generated pairs over the fractal dimension."""
+    """Return the panel with the onset of sliding of generated pairs against the fractal dimension."""
     return FigurePanel(
-        "Onset of sliding over fractal dimension",
-        "Pre-sliding displacement, fraction slipped at half of the sliding load, and tangential stiffness over fractal "
-        "dimension.",
+        "Onset of sliding against fractal dimension",
+        "Pre-sliding displacement, fraction slipped at half of the sliding load, and tangential stiffness against "
+        "fractal dimension.",
         "At three loads and the strengths of the study; the sliders do not change this figure. Means with 95 % "
         "intervals; except for the stiffness, repetitions are weighted by their loads. Dotted: more than half of the "
         "load is beyond Hertz.",

@@ -49,7 +49,7 @@ PLOT_PANELS: dict[str, tuple[str, str, dict[str, str]]] = {
         {"kind": "plot square crosshair", "more": "arrow keys change the direction"},
     ),
     "over": (
-        "Friction coefficient over fractal dimension", "Friction coefficient at the picked load",
+        "Friction coefficient against fractal dimension", "Friction coefficient at the picked load",
         {"more": _ARROW_KEYS_HELP.format("along it")},
     ),
     **{
