@@ -712,7 +712,7 @@ def test_onset_method_rejects_invalid_indices_and_steps_and_amplitudes(ball_curv
         press_single_ball().onset(0.5, mu0=0.3)
     x = np.arange(65) / 64 - 0.5
     cup = Profile(x**2, spacing=1 / 64)
-    with pytest.raises(ValueError, match="index must select an approach at which the bodies touch"):
+    with pytest.raises(ValueError, match="`index` must select an approach at which the bodies touch"):
         press(flat_like(cup), cup, [0.01]).onset(0, mu0=0.3)
     with pytest.raises(ValueError, match="tolerance must be"):
         ball_curve_and_radius[0].onset(0, mu0=0.3, tolerance=0.0)

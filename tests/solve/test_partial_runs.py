@@ -42,7 +42,7 @@ def test_runs_divided_into_different_numbers_of_parts_together_give_a_complete_r
 
 @pytest.mark.parametrize("part", [(0, 2), (3, 2), (1, 0)])
 def test_computation_of_missing_pairs_rejects_an_invalid_part_of_a_run(tmp_path, part):
-    with pytest.raises(ValueError, match=r"argument part must be \(K, N\)"):
+    with pytest.raises(ValueError, match=r"`part` must be \(K, N\)"):
         compute_missing_blocks(TINY_STUDY, tmp_path / "r", part=part)
     assert not (tmp_path / "r").exists()
 

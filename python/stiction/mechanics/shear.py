@@ -580,6 +580,11 @@ def shear_gap(test: xr.Dataset) -> Profile | Surface:
     test : xarray.Dataset
         Result of `shear_test`.
 
+    Returns
+    -------
+    Profile or Surface
+        Gap (µm), as a profile if the faces are profiles, and otherwise as a height map.
+
     Raises
     ------
     ValueError
