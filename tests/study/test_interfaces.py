@@ -245,6 +245,35 @@ def test_mu0_and_tau0_have_independent_ranges_if_the_interface_file_is_missing(f
     assert "which is missing" in completed.stdout
 
 
+def test_result_whose_study_contains_intervals_of_an_older_version_keeps_the_joint_distribution(tmp_path) -> None:
+    test = FrictionTest(Ball("5 mm", "3 GPa"), 100.0, coefficient=0.4, uncertainty=0.02)
+    write_interface(calibrate([test]), tmp_path / "film")
+    options = {"interface": tmp_path / "film", "directory": tmp_path / "r", **PAIR_OPTIONS}
+    stored_result = pair(*rough_surfaces(), **options)
+    study_file = tmp_path / "r" / "study.toml"
+    text = study_file.read_text()
+    entry = stored_result.study.friction.interface
+    old_text = text
+    for name, interval in (("mu0", "0.00713..0.411"), ("tau0", "0.0321..5.13 MPa")):
+        central_text = getattr(entry, name).text.partition(" (")[0]
+        old_text = old_text.replace(getattr(entry, name).text, f"{central_text} ({interval})")
+    assert old_text.count("0.00713..0.411") == old_text.count("0.0321..5.13 MPa") == 1
+    study_file.write_text(old_text)
+    reopened = open_result(tmp_path / "r")
+    assert find_interface(reopened.study) is not None
+    assert reopened.study == stored_result.study
+    assert (reopened.value, reopened.interval) == (stored_result.value, stored_result.interval)
+    assert "which is missing" not in reopened.sentence
+    # The same command reuses the stored result.
+    assert pair(*rough_surfaces(), **options).interval == stored_result.interval
+    # A file with other central values has changed.
+    other_test = replace(test, coefficient=0.41)
+    write_interface(calibrate([other_test]), tmp_path / "film")
+    changed = open_result(tmp_path / "r")
+    assert find_interface(changed.study) is None
+    assert changed.study.friction.mu0[0].text.endswith(" (0.00713..0.411)")
+
+
 @pytest.mark.parametrize("name", sorted(interfaces()))
 def test_named_interface_has_kind_and_source_and_is_accepted_by_the_pair_function(name) -> None:
     entry = interfaces()[name]

@@ -661,12 +661,24 @@ class InterfaceSettings(SettingsSection):
         )
         return cls.model_validate({"file": file, "mu0": mu0, "tau0": tau0, "sliding": strength.fits[0].sliding})
 
-    def load(self) -> InterfaceStrength | None:
-        """Load the strength of the interface, or return None if the interface file is missing or has changed."""
+    def find_current_entry(self) -> InterfaceSettings | None:
+        """Return the entry that the interface has now, or None if the interface file is missing or has changed.
+
+        A changed file has other central values of mu0 or tau0. The ranges are not compared, because the rule for
+        intervals of a fit depends on the version of the program that stored the entry.
+        """
         try:
             entry = InterfaceSettings.from_source(self.file)
-            if (entry.mu0, entry.tau0) != (self.mu0, self.tau0):
-                return None
+        except (ValueError, OSError):
+            return None
+        central_values, stored_values = ((float(each.mu0), float(each.tau0)) for each in (entry, self))
+        return entry if central_values == stored_values else None
+
+    def load(self) -> InterfaceStrength | None:
+        """Load the strength of the interface, or return None if the interface file is missing or has changed."""
+        if self.find_current_entry() is None:
+            return None
+        try:
             return _read_cached_interface(self.file, 0 if self.is_published else Path(self.file).stat().st_mtime_ns)
         except (ValueError, OSError):
             return None

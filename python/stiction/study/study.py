@@ -205,6 +205,7 @@ def _add_interface_strength(section: Mapping[str, Any]) -> Mapping[str, Any]:
         return {**section, "mu0": [0.0]}
     except ValueError as error:
         raise make_key_error("interface", str(error).removeprefix("interface ")) from None
+    interface = interface.find_current_entry() or interface
     return {**section, "interface": interface, "mu0": (interface.mu0,), "tau0": (interface.tau0,)}
 
 
