@@ -1,6 +1,7 @@
 """Tests of direct shear tests against closed forms: sawtooth, energy balance, perfect fit, mirror symmetry."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -366,6 +367,24 @@ def test_shear_test_accepts_materials_and_interfaces_like_the_pair_function():
     assert tests[0].attrs["interface"] == name
     central_mu0 = float(tests[0].attrs["mu0"])
     assert central_mu0 == pytest.approx(float(np.median(interface(name).fits[0].mu0)), rel=1e-3)
+
+
+@pytest.mark.usefixtures("all_input_samples")
+def test_shear_interval_contains_only_the_likely_part_of_the_samples_with_tau0_at_zero():
+    random = np.random.default_rng(2)
+    film = interface("MoS2 on bearing steel, dry air")
+    tau0 = 1e-9 * random.normal(2.0, 1.0, 8000)  # GPa, too small to affect the coefficient
+    tau0 = tau0[tau0 > 0][:4000]
+    fit = replace(film.fits[0], mu0=random.normal(0.4, 0.01, tau0.size), tau0=tau0)
+    bound = replace(fit, mu0=random.normal(0.6, 0.05, tau0.size), tau0=np.zeros(tau0.size))
+    film = replace(film, fits=(replace(fit, fits_at_bounds={"tau0": bound}),))
+    (_, coverage) = film.sampled_fits[1]
+    assert 0.1 < coverage < 0.7
+    result = run_shear_test(create_sawtooth(1600), path="20 um", steps=1, interface=film, boundary="periodic", strips=0)
+    # The faces fit perfectly where the path starts, so their coefficient is mu0.
+    lower, upper = result["friction_coefficient_interval"].values[:, 0]
+    assert lower == pytest.approx(np.quantile(fit.mu0, 0.025), rel=2e-3)
+    assert upper == pytest.approx(np.quantile(bound.mu0, (1 + coverage) / 2), rel=2e-3)
 
 
 def test_interval_of_the_peak_displacement_includes_the_neighbouring_steps():

@@ -25,7 +25,7 @@ from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT, FrictionLaw
 from stiction.mechanics.quantities import find_upper_bound
 from stiction.study.input_distributions import NUM_INPUT_SAMPLES, Z_95, UncertainInput, generate_stratified_points
 from stiction.study.inputs import Inputs
-from stiction.study.interfaces import INTERVAL_COVERAGE
+from stiction.study.interfaces import INTERVAL_COVERAGE, find_tail_probabilities
 
 if TYPE_CHECKING:
     from stiction.study.study import Study
@@ -660,8 +660,7 @@ def compute_equal_tailed_interval(
     ValueError
         If a sample has no coefficient.
     """
-    tail = round((1 - coverage) / 2, 12)
-    return Interval(*compute_quantiles(np.array([tail, 1 - tail]), values, upper_values).tolist())
+    return Interval(*compute_quantiles(find_tail_probabilities(coverage), values, upper_values).tolist())
 
 
 def compute_quantiles(

@@ -22,7 +22,7 @@ from stiction.mechanics.friction import LOAD_SUM_NAMES, STATUS_DOWNHILL, STATUS_
 from stiction.mechanics.shear import CLOSURE_NAMES, ShearBox, compute_dilation_angles
 from stiction.study.input_distributions import NUM_INPUT_SAMPLES, generate_sobol_points
 from stiction.study.inputs import Inputs
-from stiction.study.interfaces import InterfaceStrength
+from stiction.study.interfaces import INTERVAL_COVERAGE, InterfaceStrength, find_tail_probabilities
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 MIN_INPUT_SAMPLES = 2**10
 # The product of the numbers of samples and displacements is limited, because it determines the memory.
 MAX_CURVE_VALUE_COUNT = 2**21
-INTERVAL_PROBABILITIES = np.array([0.025, 0.975])
 CONTACT_INPUTS = ("hardness", "effective_modulus")
 """Names of the inputs that change the contacts themselves, so that the shear test is repeated at their limits."""
 
@@ -50,13 +49,15 @@ class ShearInputSamples:
     """Samples of the inputs of a shear test: n values of each input.
 
     `contact_inputs` contains the uncertain inputs among `CONTACT_INPUTS`, relative to their central values.
-    `probabilities` are cumulative probabilities of another quantity, which is independent of the inputs.
+    `probabilities` are cumulative probabilities of another quantity, which is independent of the inputs. `coverage` is
+    the probability of the samples that a 95 % interval contains, as in `JointSamples`.
     """
 
     mu0: Floats
     tau0: Floats
     contact_inputs: Mapping[str, Floats]
     probabilities: Floats
+    coverage: float = INTERVAL_COVERAGE
 
 
 def _generate_sample_points(dimensions: int, num_displacements: int) -> Floats:
@@ -92,6 +93,7 @@ def draw_shear_samples(
                 joint.tau0[index],
                 find_ratios(input_samples | {name: samples[index] for name, samples in joint.inputs.items()}),
                 probabilities,
+                joint.coverage,
             )
             for joint in joint_strengths
         ]
@@ -125,7 +127,7 @@ def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariati
         ContactVariation(name, float(f"{limit:.6g}"))
         for name in CONTACT_INPUTS
         if name in samples[0].contact_inputs
-        for limit in np.quantile(samples[0].contact_inputs[name], INTERVAL_PROBABILITIES)
+        for limit in np.quantile(samples[0].contact_inputs[name], find_tail_probabilities())
     ]
 
 
@@ -268,6 +270,7 @@ def add_shear_intervals(
     if samples:
         sampled_tests = [_sample_test(test, input_samples, variations) for input_samples in samples]
         probabilities = samples[0].probabilities
+        coverages = [input_samples.coverage for input_samples in samples]
     elif strips:
         curves = (_get_values(test, name)[np.newaxis] for name in CURVE_NAMES)
         closures = {name: _get_values(test, name)[np.newaxis] for name in CLOSURE_NAMES}
@@ -275,6 +278,7 @@ def add_shear_intervals(
             [_summarize_samples(test, *curves) | closures],
             _generate_sample_points(1, test.sizes["displacement"])[:, 0],
         )
+        coverages = [INTERVAL_COVERAGE]
     else:
         return test
     limits = {}
@@ -282,13 +286,18 @@ def add_shear_intervals(
         value = test[name].values if name in (*CURVE_NAMES, *CLOSURE_NAMES) else np.asarray(test.attrs[name])
         shift = 0.0 if strip_errors is None else strip_errors.error_quantiles(name, value.shape, probabilities)
         limits[name] = _extend_to_value(
-            name, value, [_compute_interval_limits(sampled_test[name] + shift) for sampled_test in sampled_tests]
+            name,
+            value,
+            [
+                _compute_interval_limits(sampled_test[name] + shift, coverage)
+                for sampled_test, coverage in zip(sampled_tests, coverages, strict=True)
+            ],
         )
     return _add_interval_limits(test, limits)
 
 
-def _compute_interval_limits(values: Floats) -> Floats:
-    """Return the limits of the 95 % interval of samples, which lie along the first axis.
+def _compute_interval_limits(values: Floats, coverage: float) -> Floats:
+    """Return the limits of the interval of samples, which lie along the first axis, with a given coverage.
 
     Returns NaN if a sample is NaN.
     """
@@ -296,7 +305,7 @@ def _compute_interval_limits(values: Floats) -> Floats:
     limits = np.full((columns.shape[1], 2), np.nan)
     is_known = ~np.isnan(columns).any(axis=0)
     if is_known.any():
-        limits[is_known] = compute_quantiles(INTERVAL_PROBABILITIES, columns[:, is_known], axis=0).T
+        limits[is_known] = compute_quantiles(find_tail_probabilities(coverage), columns[:, is_known], axis=0).T
     return limits.reshape(*values.shape[1:], 2)
 
 

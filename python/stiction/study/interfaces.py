@@ -424,6 +424,12 @@ def compute_coverage_at_bound(values: Floats) -> float:
     return min(math.erf(math.sqrt(squared_score / 2)), INTERVAL_COVERAGE)
 
 
+def find_tail_probabilities(coverage: float = INTERVAL_COVERAGE) -> Floats:
+    """Return the cumulative probabilities of both limits of an equal-tailed interval with a given coverage."""
+    tail = round((1 - coverage) / 2, 12)
+    return np.array([tail, 1 - tail])
+
+
 def compute_credible_interval(
     values: Floats, bound: float = -math.inf, coverage: float = INTERVAL_COVERAGE
 ) -> ValueWithLimits:
@@ -432,10 +438,10 @@ def compute_credible_interval(
     The interval has equal tails, unless the samples include the bound. Then the interval starts at the bound, and only
     the fraction of the lower tail that lies outside a region of highest density is left.
     """
-    tail = round((1 - coverage) / 2, 12)
-    low, high = (float(end) for end in np.quantile(values, [tail, 1 - tail]))
+    tails = find_tail_probabilities(coverage)
+    low, high = (float(end) for end in np.quantile(values, tails))
     if math.isfinite(bound) and (coverage_at_bound := compute_coverage_at_bound(values - bound)) > 0:
-        upper_tail = tail * (1 + coverage_at_bound / INTERVAL_COVERAGE)
+        upper_tail = float(tails[0]) * (1 + coverage_at_bound / INTERVAL_COVERAGE)
         low, high = bound, float(np.quantile(values, 1 - upper_tail))
     return float(np.median(values)), low, high
 
