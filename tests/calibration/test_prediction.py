@@ -262,6 +262,29 @@ def test_planned_tests_of_a_pair_neither_remove_the_common_error_nor_ignore_the_
     assert planned_widths[0.05] == pytest.approx(2 * 1.96 * 0.25 * math.hypot(0.05, 0.02 / math.sqrt(8)), rel=0.1)
 
 
+def test_plans_for_a_law_from_a_file_keep_the_common_error_of_its_tests(tmp_path) -> None:
+    result = press_pair(TESTED_RMS)
+    test = FrictionTest(result, "20 MPa", coefficient=0.25, uncertainty=0.005)
+    write_interface(calibrate([test] * 4, common=0.1, sliding="all"), tmp_path / "film")
+    text = (tmp_path / "film").read_text()
+    (tmp_path / "old").write_text(text.replace("# common error of the tests: 0.1\n", ""))
+    strength, old_strength = read_interface(tmp_path / "film"), read_interface(tmp_path / "old")
+    assert strength.common == 0.1
+    assert math.isnan(old_strength.common)
+    assert "common error of the tests" not in strength.about
+    plans, old_plans = (
+        {plan.text: np.ptp(plan.coefficient[1:]) for plan in plan_tests(each, result, "20 MPa")}
+        for each in (strength, old_strength)
+    )
+    # The error of 10 % that all tests share remains.
+    assert plans["as many tests of this pair"] > 0.99 * 2 * 1.96 * strength.predict(result, "20 MPa")[0] * 0.1
+    assert "as many tests of this pair, without an error that all tests share" in old_plans
+    assert "as many tests of this pair" not in old_plans
+    (tmp_path / "old").write_text(text.replace("tests: 0.1\n", "tests: 10 %\n"))
+    with pytest.raises(ValueError, match="old is a damaged interface file"):
+        read_interface(tmp_path / "old")
+
+
 def test_uninformative_test_of_a_pair_does_not_narrow_its_predicted_interval() -> None:
     """A ball determines mu0 and tau0; a test of the pair with an error of 30 % adds nothing to the area of the pair."""
     result, random = press_pair(PREDICTED_RMS), np.random.default_rng(5)

@@ -392,6 +392,18 @@ def test_interface_entry_that_a_file_cannot_represent_is_rejected_on_writing(tmp
         write_interface(interface("MoS2 on bearing steel, dry air"), tmp_path / "a.csv", {key: "x"})
 
 
+@pytest.mark.parametrize(
+    "key",
+    [
+        "sliding", "area_per_load", "variation", "separated", "common error of the tests", "rows with mu0 = 0",
+        "rows with tau0 = 0",
+    ],
+)  # fmt: skip
+def test_message_about_a_reserved_key_of_an_interface_file_quotes_all_reserved_keys(tmp_path, key):
+    with pytest.raises(ValueError, match=f"must not be one of .*'{key}'.*, got '{key}'"):
+        write_interface(interface("MoS2 on bearing steel, dry air"), tmp_path / "a.csv", {key: "x"})
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_coverage_at_zero_falls_from_95_percent_to_zero_with_the_density_at_zero(seed) -> None:
     random = np.random.default_rng(seed)

@@ -50,7 +50,7 @@ def plan_tests(interface: Interface, result: Any, load: float | str) -> tuple[Pl
     Parameters
     ----------
     interface : Interface
-        Result of `calibrate`.
+        Result of `calibrate`, or an interface from a file.
     result : Result, HalfSpaceCurve, LoadCurve or Ball
         Pair whose coefficient is wanted.
     load : float or str, mN
@@ -60,11 +60,14 @@ def plan_tests(interface: Interface, result: Any, load: float | str) -> tuple[Pl
     tuple of PlannedTests
         The planned tests are as many as the present ones and have their median relative error. They are assumed to
         measure the coefficients that follow from the medians of mu0 and tau0. Tests of the pair itself have the same
-        common error as the present tests. No interval is wider than the present interval.
+        common error as the present tests. The text of this plan says so if this error is unknown, because an older
+        version wrote the interface file. No interval is wider than the present interval.
 
     Notes
     -----
     Each joint sample of mu0, tau0 and the shared inputs is weighted by the probability of the planned measurements.
+
+    An interface file does not contain the tests, so that a single test with a relative error of 5 % is planned.
 
     Examples
     --------
@@ -94,8 +97,11 @@ def plan_tests(interface: Interface, result: Any, load: float | str) -> tuple[Pl
         planned_coefficient = replace(interface, fits=(fit,)).predict(result, load)
         plans.append(PlannedTests(text, _limit_to_interval(planned_coefficient, present)))
     value = present[0]
-    half_width = _estimate_half_width(present, interface.common, relative_error / math.sqrt(count))
-    plans.append(PlannedTests("as many tests of this pair", (value, max(value - half_width, 0.0), value + half_width)))
+    is_common_error_known = not math.isnan(interface.common)
+    common_error = interface.common if is_common_error_known else 0.0
+    half_width = _estimate_half_width(present, common_error, relative_error / math.sqrt(count))
+    text = "as many tests of this pair" + ("" if is_common_error_known else ", without an error that all tests share")
+    plans.append(PlannedTests(text, (value, max(value - half_width, 0.0), value + half_width)))
     return tuple(sorted(plans, key=lambda plan: plan.coefficient[2] - plan.coefficient[1]))
 
 

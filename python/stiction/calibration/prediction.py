@@ -41,7 +41,7 @@ class Interface(InterfaceStrength):
     about : mapping of str to str
         Kind ("measured", "lumped" or "bound"), materials, conditions and source.
     common : float
-        Relative standard uncertainty that all tests share; 0 for an interface that was not fitted here.
+        Relative standard uncertainty that all tests share; NaN for a published interface or an older file.
 
     Examples
     --------

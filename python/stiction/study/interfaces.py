@@ -72,6 +72,17 @@ wider, which makes the maximum less random.
 BOUND_HEADER_ENTRIES = {"mu0": "rows with mu0 = 0", "tau0": "rows with tau0 = 0"}
 """Header entries of an interface file: the numbers of rows, after the rows of the fit, in which mu0 or tau0 is 0."""
 
+COMMON_ERROR_HEADER_ENTRY = "common error of the tests"
+"""Header entry of an interface file that contains the relative standard uncertainty that all tests share.
+
+Older files do not contain this entry.
+"""
+
+RESERVED_HEADER_ENTRIES = (
+    "sliding", *_NUMERIC_HEADER_ENTRIES, "separated", COMMON_ERROR_HEADER_ENTRY, *BOUND_HEADER_ENTRIES.values(),
+)  # fmt: skip
+"""Header entries that `write_interface` derives from the interface, so that `about` must not contain them."""
+
 SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
 
 HARDNESS_HEADER_ENTRY = "hardness of the draws"
@@ -164,7 +175,7 @@ class InterfaceStrength:
     about : mapping of str to str
         Kind ("measured", "lumped" or "bound"), materials, conditions and source.
     common : float
-        Relative standard uncertainty that all tests share; 0 for an interface that was not fitted here.
+        Relative standard uncertainty that all tests share; NaN for a published interface or an older file.
     """
 
     fits: tuple[StrengthFit, ...]
@@ -174,7 +185,7 @@ class InterfaceStrength:
     advice: tuple[tuple[str, float, float], ...] = ()
     tests: tuple[tuple[float, float, float, bool], ...] = ()
     about: Mapping[str, str] = field(default_factory=dict)
-    common: float = 0.0
+    common: float = math.nan
 
     @classmethod
     def read(cls, path: str | Path) -> Self:
@@ -212,6 +223,9 @@ class InterfaceStrength:
             bound_row_counts = {
                 name: int(header.pop(entry)) for name, entry in BOUND_HEADER_ENTRIES.items() if entry in header
             }
+            common = float(header.pop(COMMON_ERROR_HEADER_ENTRY, math.nan))
+            if not (math.isnan(common) or 0 <= common < 1):
+                raise ValueError
             check_choice("sliding", sliding, SlidingRule)
             parse_study_input("junction_growth", header.get(JUNCTION_GROWTH_HEADER_ENTRY, "0"))
         except (ValueError, KeyError, csv.Error, StopIteration):
@@ -244,7 +258,7 @@ class InterfaceStrength:
             if bound_row_counts
             else _estimate_fits_at_bounds(fit),
         )
-        return cls((fit,), area_per_load, variation, separated, about=header)
+        return cls((fit,), area_per_load, variation, separated, about=header, common=common)
 
     @classmethod
     def named(cls, name_or_path: str | Path) -> Self:
@@ -521,15 +535,16 @@ def _format_interface(interface: InterfaceStrength, about: Mapping[str, str]) ->
         "variation": repr(interface.variation),
         "separated": "yes" if interface.separated else "no",
     }
+    if not math.isnan(interface.common):
+        header[COMMON_ERROR_HEADER_ENTRY] = repr(interface.common)
     fits_at_bounds = interface.fits[0].fits_at_bounds
-    reserved_keys = [*header, *BOUND_HEADER_ENTRIES.values()]
     header |= {BOUND_HEADER_ENTRIES[name]: str(fit.mu0.size) for name, fit in fits_at_bounds.items()}
     for key, value in {**interface.about, **about}.items():
         text = " ".join(str(value).split())
-        if not key.strip() or key in reserved_keys or ": " in f"{key} " or key != printable_text(key):
+        if not key.strip() or key in RESERVED_HEADER_ENTRIES or ": " in f"{key} " or key != printable_text(key):
             raise ValueError(
-                "each key of `about` must be printable and have no colon, and must not be "
-                f"{', '.join(map(repr, reserved_keys[:-1]))} or {reserved_keys[-1]!r}, got {short_repr(key)}"
+                "each key of `about` must be printable and have no colon, and must not be one of "
+                f"{', '.join(map(repr, RESERVED_HEADER_ENTRIES))}, got {short_repr(key)}"
             )
         header[key] = printable_text(text, len(text))
     file_text, fit = io.StringIO(), interface.fits[0]
