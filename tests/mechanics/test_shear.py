@@ -671,6 +671,15 @@ def test_intervals_of_the_closure_contain_the_tests_at_the_limits_of_the_modulus
         np.testing.assert_allclose(limits, [np.min(values, axis=0), np.max(values, axis=0)], rtol=0.02)
 
 
+def test_shear_test_with_a_hardness_range_that_cannot_carry_the_load_has_no_upper_limit():
+    lower = create_rough_map()
+    upper = create_mate(lower.changed(lower.heights + create_noise(lower.heights.shape), "rough"))
+    options = {"path": "50 um", "steps": 1, "mu0": 0.6, "load": "2 MPa", "strips": 0}
+    result = shear_test(upper, lower, effective_modulus="30 GPa", hardness="uniform 1..20 MPa", **options)
+    assert np.isfinite(result["closure"]).all()
+    assert result.attrs["peak_upper"] == np.inf
+
+
 def test_closure_of_faces_that_fit_perfectly_is_zero_and_has_no_stiffness():
     result = run_shear_test(create_rough_map(), path="50 um", steps=1, mu0=0.6)
     np.testing.assert_allclose(result["closure"], 0.0, atol=ROUND_OFF)

@@ -391,20 +391,26 @@ class ShearBox:
     def solve_closure(self, record: SolutionRecord) -> xr.Dataset:
         """Return closure and stiffness of closure at the start of the path, up to the initial normal stress.
 
-        The dataset has the dimension `normal_stress` (GPa). All values are NaN if the contact has no solution. The
-        stiffness is also NaN where it is infinite, in full contact.
+        The dataset has the dimension `normal_stress` (GPa). All values are NaN if the contact has no solution, and
+        values at loads of at least the hardness times the area. The stiffness is also NaN where it is infinite, in full
+        contact.
         """
         import xarray as xr
 
         loads = self.load * np.geomspace(1 / MAX_TO_MIN_CLOSURE_LOAD_RATIO, 1.0, NUM_CLOSURE_LOADS)
         offset = np.zeros(self.lower.heights.ndim, np.int64)
 
+        max_load = math.inf if self.hardness is None else self.hardness * self.initial_overlap_area
+        can_be_carried = loads < max_load
+
         def solve_closures() -> StepResult:
-            curve = self.solve_contact(offset, loads)
-            stiffness = curve.closure_stiffness * STIFFNESS_PER_AREA_FACTOR
-            return {
-                "closure": curve.closure, "closure_stiffness": np.where(np.isfinite(stiffness), stiffness, math.nan),
-            }  # fmt: skip
+            values = {name: np.full(loads.size, math.nan) for name in CLOSURE_NAMES}
+            if can_be_carried.any():
+                curve = self.solve_contact(offset, loads[can_be_carried])
+                stiffness = curve.closure_stiffness * STIFFNESS_PER_AREA_FACTOR
+                values["closure"][can_be_carried] = curve.closure
+                values["closure_stiffness"][can_be_carried] = np.where(np.isfinite(stiffness), stiffness, math.nan)
+            return dict(values)
 
         try:
             values = record.run_step(solve_closures, NoSolutionError)
