@@ -188,11 +188,13 @@ def shear_test(
     displacement between the displacements before and after the peak.
 
     For ranges of mu0 and tau0, the forces of the solved contacts are evaluated again. For ranges of the hardness and of
-    E*, the test is repeated at both limits, and curves are interpolated. Each strip is sheared under the same normal
-    stress, free of the other strips; the standard error of the mean over the strips, with Student's t distribution,
-    stands for another piece of the same joint. It does not include wavelengths longer than the width of a strip. An
-    interval of the displacement at the peak includes the displacements before and after the peak. The dilation angle at
-    the peak has no interval if no input or strip changes it.
+    E*, the test is repeated at both limits, and curves are interpolated. If the contact has no solution at a limit, the
+    friction has the upper limit infinity (and, unless the faces lock, the lower limit 0), and dilation and closure have
+    no interval there. Each strip is sheared under the same normal stress, free of the other strips; the standard error
+    of the mean over the strips, with Student's t distribution, stands for another piece of the same joint. It does not
+    include wavelengths longer than the width of a strip. An interval of the displacement at the peak includes the
+    displacements before and after the peak. The dilation angle at the peak has no interval if no input or strip changes
+    it.
 
     Examples
     --------

@@ -19,7 +19,7 @@ from stiction import (
 )
 from stiction.evaluate.shear_intervals import add_shear_intervals
 from stiction.mechanics.joint_closure import fit_bandis_law
-from stiction.views.shear import headline_estimates
+from stiction.views.shear import headline_estimates, list_caveats
 
 TOOTH_ANGLE = math.radians(10)
 ROUND_OFF = 1e-12  # µm
@@ -341,7 +341,8 @@ def test_shear_interval_has_no_upper_limit_if_the_faces_lock_at_the_largest_hard
     assert run_shear_test(steep_face, hardness="1 GPa", **options).attrs["peak_status"] == "self-locked"
     result = run_shear_test(steep_face, hardness="10..1000 MPa", **options)
     assert result.attrs["peak_upper"] == np.inf
-    assert result.attrs["peak_lower"] < result.attrs["peak"] < np.inf
+    assert np.isnan(result["dilation_interval"][:, 1:]).all()
+    assert 0 < result.attrs["peak_lower"] < result.attrs["peak"] < np.inf
 
 
 def test_shear_test_accepts_materials_and_interfaces_like_the_pair_function():
@@ -671,13 +672,22 @@ def test_intervals_of_the_closure_contain_the_tests_at_the_limits_of_the_modulus
         np.testing.assert_allclose(limits, [np.min(values, axis=0), np.max(values, axis=0)], rtol=0.02)
 
 
-def test_shear_test_with_a_hardness_range_that_cannot_carry_the_load_has_no_upper_limit():
+def test_shear_test_with_a_hardness_range_that_cannot_carry_the_load_has_open_intervals():
     lower = create_rough_map()
     upper = create_mate(lower.changed(lower.heights + create_noise(lower.heights.shape), "rough"))
     options = {"path": "50 um", "steps": 1, "mu0": 0.6, "load": "2 MPa", "strips": 0}
     result = shear_test(upper, lower, effective_modulus="30 GPa", hardness="uniform 1..20 MPa", **options)
     assert np.isfinite(result["closure"]).all()
-    assert result.attrs["peak_upper"] == np.inf
+    for name in ("peak", "end", "peak_shear_stress_GPa"):
+        assert (result.attrs[f"{name}_lower"], result.attrs[f"{name}_upper"]) == (0.0, np.inf)
+    assert "peak_dilation_angle_deg_lower" not in result.attrs
+    for name in ("dilation", "closure", "closure_stiffness"):
+        assert np.isnan(result[f"{name}_interval"][:, -1]).all()
+    assert np.isfinite(result["closure_interval"][:, 0]).all()
+    (caveat,) = (text for text in list_caveats(result) if text.startswith("Intervals are open or missing"))
+    assert "at a limit of the uncertain inputs: friction coefficient at 2 of 2 displacements, dilation at" in caveat
+    assert "closure at 1 of 8 normal stresses" in caveat
+    assert "strips" not in caveat
 
 
 def test_closure_of_faces_that_fit_perfectly_is_zero_and_has_no_stiffness():

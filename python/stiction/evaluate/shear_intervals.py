@@ -18,7 +18,7 @@ from stiction._checks import Floats
 from stiction._estimate import extend_intervals
 from stiction.evaluate.budget import find_inputs_and_strengths
 from stiction.evaluate.combined_intervals import compute_quantiles
-from stiction.mechanics.friction import LOAD_SUM_NAMES, STATUS_DOWNHILL, STATUS_OK, FrictionLaw
+from stiction.mechanics.friction import LOAD_SUM_NAMES, STATUS_DOWNHILL, STATUS_OK, STATUS_SELF_LOCKED, FrictionLaw
 from stiction.mechanics.shear import CLOSURE_NAMES, ShearBox, compute_dilation_angles
 from stiction.study.input_distributions import NUM_INPUT_SAMPLES, generate_sobol_points
 from stiction.study.inputs import Inputs
@@ -33,6 +33,9 @@ MIN_INPUT_SAMPLES = 2**10
 MAX_CURVE_VALUE_COUNT = 2**21
 CONTACT_INPUTS = ("hardness", "effective_modulus")
 """Names of the inputs that change the contacts themselves, so that the shear test is repeated at their limits."""
+
+MIN_WEIGHT_NEAR_LIMIT = 0.5
+"""Weight of an input limit above which a sample of the input has no value if the limit has none."""
 
 CURVE_NAMES = ("friction_coefficient", "shear_stress", "dilation")
 """Names of the quantities that have an interval at each displacement of a shear test."""
@@ -135,7 +138,8 @@ class _SampledCurves:
     """Curves of a shear test for samples of its inputs, derived from tests at the central inputs and at input limits.
 
     The curves are linear in the logarithm of the input. The effects of two inputs are added. `has_no_solution` is True
-    for samples near a limit at which the contact has no solution, with the shape (samples, displacements).
+    for samples near a limit at which the contact has no solution, with the shape (samples, displacements). A sample is
+    near a limit if it is nearer to the limit than to the central value, on the logarithmic scale.
     """
 
     def __init__(
@@ -148,14 +152,20 @@ class _SampledCurves:
             weight = np.clip(np.log(samples.contact_inputs[variation.name])[:, np.newaxis] / logarithm, 0.0, 1.0)
             self._terms.append((weight, varied_test))
             is_lost = ~np.isin(varied_test["status"].values, (STATUS_OK, STATUS_DOWNHILL))
-            self.has_no_solution = self.has_no_solution | ((weight > 0.5) & is_lost)
+            self.has_no_solution = self.has_no_solution | ((weight > MIN_WEIGHT_NEAR_LIMIT) & is_lost)
 
     def sample(self, get_curve: Callable[[xr.Dataset], Floats]) -> Floats:
-        """Return the curve that `get_curve` reads from a shear test, for each sample of the inputs (first axis)."""
+        """Return the curve that `get_curve` reads from a shear test, for each sample of the inputs (first axis).
+
+        Values are NaN for samples near a limit at which the curve is NaN.
+        """
         central_curve = get_curve(self._test)
-        return central_curve + sum(
-            weight * np.nan_to_num(get_curve(varied_test) - central_curve) for weight, varied_test in self._terms
-        )
+        effects = []
+        for weight, varied_test in self._terms:
+            difference = get_curve(varied_test) - central_curve
+            is_unknown = (weight > MIN_WEIGHT_NEAR_LIMIT) & np.isnan(difference)
+            effects.append(np.where(is_unknown, np.nan, weight * np.nan_to_num(difference)))
+        return np.asarray(central_curve + sum(effects))
 
 
 def _sample_test(
@@ -163,7 +173,7 @@ def _sample_test(
 ) -> _Samples:
     """Return the curves and peak values of a shear test for each sample.
 
-    Coefficients are infinite where the faces lock.
+    Coefficients are infinite where the faces lock, or where the contact has no solution.
     """
     curves = _SampledCurves(test, samples, variations)
     law = FrictionLaw(samples.mu0[:, np.newaxis], samples.tau0[:, np.newaxis])
@@ -176,6 +186,7 @@ def _sample_test(
     coefficient = np.where(curves.has_no_solution, np.inf, coefficient)
     dilation = curves.sample(partial(_get_values, name="dilation"))
     stress = coefficient * curves.sample(lambda varied_test: _divide_values(varied_test, "normal_load", "overlap_area"))
+    stress = np.where(curves.has_no_solution, np.inf, stress)
     count = len(coefficient)
     closures = {name: curves.sample(partial(_get_values, name=name)) for name in CLOSURE_NAMES}
     return _summarize_samples(test, coefficient, stress, np.broadcast_to(dilation, coefficient.shape)) | {
@@ -262,9 +273,10 @@ def add_shear_intervals(
 
     `variations` are the tests at the limits of the inputs, and `strips` are the tests of the strips. The standard error
     of the mean over the strips counts as the error of the test, with Student's t distribution. There is no interval
-    where fewer than two strips have a solution. Each interval contains the computed number. The interval of the
-    displacement at the peak also contains the displacements before and after the peak. The dilation angle has no
-    interval if it is the same for all samples.
+    where fewer than two strips have a solution. If the contact has no solution at a limit of an input, dilation and
+    closure have no interval there, and the upper limit of friction is infinite; the lower limit is 0 unless the faces
+    lock. Each interval contains the computed number. The interval of the displacement at the peak also contains the
+    displacements before and after the peak. The dilation angle has no interval if it is the same for all samples.
     """
     strip_errors = _estimate_strip_errors(test, strips) if strips else None
     if samples:
@@ -293,7 +305,24 @@ def add_shear_intervals(
                 for sampled_test, coverage in zip(sampled_tests, coverages, strict=True)
             ],
         )
+    _open_lower_limits(test, limits, [varied_test for _, varied_test in variations])
     return _add_interval_limits(test, limits)
+
+
+def _open_lower_limits(test: xr.Dataset, limits: Mapping[str, Floats], varied_tests: Sequence[xr.Dataset]) -> None:
+    """Set lower limits of friction to 0, in place, where the test at a limit of an input has no solution.
+
+    If the faces lock at the limit of the input, lower limits are unchanged, because locking only raises the friction.
+    """
+    is_lost = np.zeros(test.sizes["displacement"], bool)
+    for varied_test in varied_tests:
+        is_lost |= ~np.isin(varied_test["status"].values, (STATUS_OK, STATUS_DOWNHILL, STATUS_SELF_LOCKED))
+    is_lost &= test["status"].values == STATUS_OK
+    for name in ("friction_coefficient", "shear_stress"):
+        limits[name][is_lost, 0] = 0.0
+    for name, is_open in (("peak", is_lost.any()), ("peak_shear_stress_GPa", is_lost.any()), ("end", is_lost[-1])):
+        if is_open and name in limits:
+            limits[name][..., 0] = 0.0
 
 
 def _compute_interval_limits(values: Floats, coverage: float) -> Floats:

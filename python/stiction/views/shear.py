@@ -210,12 +210,39 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
             f"Up to {format_percent(edge_fraction)} of the load is at the edges of the faces: a free tilt takes the "
             "load off the edges, a shorter path keeps them apart."
         )
+    caveats += _list_interval_caveats(test)
     for name, words in ((STATUS_DOWNHILL, "slide by themselves"), (STATUS_NO_CONTACT, "lose contact")):
         if (status == name).any():
             displacement_text = format_with_unit(displacement[int(np.argmax(status == name))], "um")
             count_text = f"{int((status == name).sum())} of {status.size} displacements"
             caveats.append(f"At {count_text}, first at {displacement_text}, the faces {words}.")
     return caveats
+
+
+_INTERVAL_LABELS = {
+    "friction_coefficient": ("friction coefficient", "displacements"), "dilation": ("dilation", "displacements"),
+    "closure": ("closure", "normal stresses"), "closure_stiffness": ("stiffness of closure", "normal stresses"),
+}  # fmt: skip
+
+
+def _list_interval_caveats(test: xarray.Dataset) -> list[str]:
+    """Return a list with one caveat if intervals are open because contacts at a limit of an input are not solved."""
+    open_texts = []
+    for name, (label, points) in _INTERVAL_LABELS.items():
+        if f"{name}_interval" not in test:
+            continue
+        lower, upper = test[f"{name}_interval"].values
+        is_open = np.isfinite(test[name].values) & (np.isnan(lower) | ((lower == 0) & np.isinf(upper)))
+        if is_open.any():
+            open_texts.append(f"{label} at {int(is_open.sum())} of {is_open.size} {points}")
+    if not open_texts:
+        return []
+    places = ["at a limit of the uncertain inputs"] * (test.attrs["uncertain_inputs"] != "")
+    places += ["on all strips but at most one"] * (test.attrs["strips"] > 0)
+    return [
+        "Intervals are open or missing, because the contact has no finite solution "
+        f"{' or '.join(places)}: {', '.join(open_texts)}."
+    ]
 
 
 def _list_fit_caveats(attributes: Mapping[Any, Any]) -> list[str]:
