@@ -7,7 +7,17 @@ import numpy as np
 import pandas
 import pytest
 import xarray
-from stiction import Profile, Surface, flipped, interface, open_result, read_surface, self_affine_surface, shear_test
+from stiction import (
+    Profile,
+    Surface,
+    export_shear_test,
+    flipped,
+    interface,
+    open_result,
+    read_surface,
+    self_affine_surface,
+    shear_test,
+)
 from stiction.solve import members_in_progress
 from stiction.solve.store import export
 from stiction.views.figures.shear import shear_figure
@@ -276,8 +286,21 @@ def test_exported_parameters_contain_the_printed_peak_and_the_stiffness_at_each_
     assert last_row["dilation at the end (mm)"] == pytest.approx(1e-3 * float(test["dilation"][-1]))
     assert last_row["Z2"] == pytest.approx(attributes["z2"])
     assert table["peak friction angle (deg)"][:-1].isna().all()
-    ratio = last_row["shear strength (MPa)"] / last_row["normal stress at the peak (MPa)"]
+    ratio = last_row["shear strength (MPa)"] / last_row["normal stress at the shear strength (MPa)"]
     assert ratio == pytest.approx(last_row["peak friction coefficient"], rel=1e-3)
+
+
+def test_exported_shear_strength_and_normal_stress_are_at_one_displacement(tmp_path):
+    options = {"path": "0.4 mm", "steps": 4, "mu0": 0.6, "hardness": "150 MPa", **LOAD_AND_ELASTICITY}
+    test = shear_test(*create_faces(), normal_stiffness="20 MPa/mm", **options)
+    assert int(np.argmax(test["friction_coefficient"].values)) < 4
+    export_shear_test(test, tmp_path / "parameters.csv", joint=True)
+    last_row = pandas.read_csv(tmp_path / "parameters.csv").iloc[-1]
+    assert last_row["displacement at the shear strength (mm)"] == pytest.approx(0.4)
+    assert last_row["shear strength (MPa)"] == pytest.approx(1e3 * float(test["shear_stress"][4]))
+    ratio = last_row["shear strength (MPa)"] / last_row["normal stress at the shear strength (MPa)"]
+    assert ratio == pytest.approx(float(test["friction_coefficient"][4]))
+    assert ratio < 0.99 * last_row["peak friction coefficient"]
 
 
 def test_exported_parameters_in_json_have_units_and_inputs_and_caveats(rough_directory):

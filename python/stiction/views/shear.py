@@ -59,8 +59,9 @@ _CSV_COLUMNS = {
 }  # fmt: skip
 _PARAMETER_TITLES = {
     "peak_friction_angle": "peak friction angle", "peak_friction_coefficient": "peak friction coefficient",
-    "displacement_at_peak": "displacement at the peak", "normal_stress_at_peak": "normal stress at the peak",
-    "dilation_angle_at_peak": "dilation angle at the peak", "peak_shear_stress": "shear strength",
+    "displacement_at_peak": "displacement at the peak", "dilation_angle_at_peak": "dilation angle at the peak",
+    "peak_shear_stress": "shear strength", "normal_stress_at_shear_strength": "normal stress at the shear strength",
+    "displacement_at_shear_strength": "displacement at the shear strength",
     "end_friction_angle": "friction angle at the end", "end_displacement": "displacement at the end",
     "end_dilation": "dilation at the end", "jrc": "JRC", "z2": "Z2",
 }  # fmt: skip
@@ -154,7 +155,7 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
         peak = int(np.nanargmax(test["friction_coefficient"].values))
         if peak == displacement.size - 1:
             caveats.append("The coefficient is largest at the end of the path: choose a longer path.")
-        elif int(np.nanargmax(test["shear_stress"].values)) == displacement.size - 1:
+        elif _find_shear_strength(test) == displacement.size - 1:
             load_ratio, area_ratio = (
                 float(test[name][-1] / test[name][peak]) for name in ("normal_load", "overlap_area")
             )
@@ -296,11 +297,10 @@ def headline_lines(test: xarray.Dataset) -> list[str]:
     dilation_text = "" if math.isnan(dilation) else f", dilation {format_with_unit(dilation, 'um')}"
     lines.append(f"end:  {end_text} at {format_with_unit(end, 'um')}{dilation_text}")
     if estimates["peak_friction_coefficient"].status == STATUS_OK:
-        peak_stress_index = int(np.nanargmax(test["shear_stress"].values))
         strength = estimates["peak_shear_stress"].in_prefixed_unit()
         lines.append(
             f"shear strength: {strength.text()} {strength.unit} at "
-            f"{format_with_unit(float(test['displacement'][peak_stress_index]), 'um')}"
+            f"{format_with_unit(float(test['displacement'][_find_shear_strength(test)]), 'um')}"
         )
     if test.attrs["strips"] > 0 or test.attrs["uncertain_inputs"] != "":
         lines.append(_interval_text(test.attrs))
@@ -314,6 +314,14 @@ def headline_lines(test: xarray.Dataset) -> list[str]:
     if "registration_rms_gap_um" in test.attrs:
         lines.append(_registration_text(test.attrs))
     return lines
+
+
+def _find_shear_strength(test: xarray.Dataset) -> int:
+    """Return the index of the displacement at which the shear stress is largest, and equals the shear strength.
+
+    At a variable normal stress, the friction coefficient may be largest at another displacement.
+    """
+    return int(np.nanargmax(test["shear_stress"].values))
 
 
 def _peak_lines(values: Mapping[str, Estimate]) -> list[str]:
@@ -487,16 +495,18 @@ def _list_parameter_rows(test: xarray.Dataset, units: UnitSystem) -> list[dict[s
 def _estimate_parameters(test: xarray.Dataset) -> dict[str, Estimate]:
     """Return the parameters of a joint model at the normal stress of a shear test, in core units."""
     values, end, status = headline_estimates(test), test.sizes["displacement"] - 1, str(test.attrs["peak_status"])
-    peak_stress = math.nan
+    normal_stress = displacement = math.nan
     if status == STATUS_OK:
-        peak = int(np.nanargmax(test["friction_coefficient"].values))
-        peak_stress = float(test["normal_load"][peak] / test["overlap_area"][peak])
+        index = _find_shear_strength(test)
+        normal_stress = float(test["normal_load"][index] / test["overlap_area"][index])
+        displacement = float(test["displacement"][index])
     jrc = float(test.attrs["jrc"])
     parameters = {
         **values,
         "peak_friction_angle": _to_angle(values["peak_friction_coefficient"]),
         "end_friction_angle": _to_angle(values["end_friction_coefficient"]),
-        "normal_stress_at_peak": Estimate(peak_stress, unit="GPa", status=status),
+        "normal_stress_at_shear_strength": Estimate(normal_stress, unit="GPa", status=status),
+        "displacement_at_shear_strength": Estimate(displacement, unit="um", status=status),
         "end_displacement": Estimate(float(test["displacement"][end]), unit="um"),
         "end_dilation": _read_variable(test, "dilation", "displacement", end),
         "jrc": Estimate(jrc, status="outside-range" if math.isnan(jrc) else STATUS_OK),
