@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from dataclasses import replace as replace_fields
@@ -32,7 +33,12 @@ from stiction.mechanics.joint_closure import fit_bandis_law
 from stiction.mechanics.onset import parse_direction
 from stiction.mechanics.shear import MIN_STRIPS, ShearBox, shear_gap
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
-from stiction.solve.members_in_progress import compute_steps_key, remove_stored_steps, stored_record
+from stiction.solve.members_in_progress import (
+    compute_steps_key,
+    find_steps_with_other_keys,
+    remove_stored_steps,
+    stored_record,
+)
 from stiction.solve.store import SHEAR_TEST_FILE_NAME, STUDY_FILE, export, load_shear_test
 from stiction.study.inputs import Inputs
 from stiction.study.interfaces import InterfaceStrength
@@ -236,6 +242,7 @@ def shear_test(
     if (test := _open_stored_test(test_directory, key, replace=replace)) is not None:
         return test
     _create_directory(test_directory)
+    _warn_about_other_steps(test_directory, steps_key)
     record = stored_record(test_directory, 0, steps_key)
     test = _compute_shear_tests(setup, record, progress).assign_attrs(attributes, key=key)
     export(test, test_directory / SHEAR_TEST_FILE_NAME, replace=True)
@@ -330,6 +337,18 @@ def _create_directory(directory: Path) -> None:
         raise ValueError(f"{printable_path(directory)}: {describe_os_error(error)}") from None
     if has_study:
         raise ValueError(f"{printable_path(directory)} contains the result of a study; choose another directory")
+
+
+def _warn_about_other_steps(directory: Path, key: str) -> None:
+    """Warn if a directory contains steps of an interrupted shear test that the test with this key does not use."""
+    names = [printable_path(path) for path in find_steps_with_other_keys(directory, 0, key)]
+    if names:
+        warnings.warn(
+            f"{', '.join(names)}: steps of a shear test that was interrupted with other inputs, by another version or "
+            "on another machine; this test does not resume from these steps. Remove the directory, unless you will "
+            "run the interrupted test again",
+            stacklevel=3,
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pandas
 import pytest
+import stiction.direct_shear
 import xarray
 from stiction import (
     Profile,
@@ -177,6 +178,18 @@ def test_shear_test_interrupted_while_computing_intervals_resumes_with_identical
     assert {name: value for name, value in resumed_test.attrs.items() if name != "key"} == pytest.approx(
         uninterrupted_test.attrs, nan_ok=True
     )
+
+
+def test_shear_test_names_stored_steps_from_which_it_does_not_resume(tmp_path, monkeypatch):
+    monkeypatch.setattr(members_in_progress, "STORAGE_INTERVAL", -1.0)
+    options = {"path": "0.5 mm", "steps": 4, "mu0": 0.6, "directory": tmp_path / "test"} | LOAD_AND_ELASTICITY
+    with pytest.raises(KeyboardInterrupt):
+        shear_test(*create_faces(), progress=Interruption(2), **options)
+    (steps_directory,) = (tmp_path / "test/in_progress").iterdir()
+    monkeypatch.setattr(stiction.direct_shear, "STORED_STEPS_VERSION", 99)
+    with pytest.warns(UserWarning, match=f"{steps_directory.name}: steps of a shear test that was interrupted"):
+        shear_test(*create_faces(), **options)
+    assert list((tmp_path / "test/in_progress").iterdir()) == [steps_directory]
 
 
 @pytest.mark.parametrize(

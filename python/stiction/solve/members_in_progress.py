@@ -133,6 +133,18 @@ def find_members_in_progress(directory: Path) -> set[int]:
     }
 
 
+def find_steps_with_other_keys(directory: Path, member: int, key: str) -> list[Path]:
+    """Return the directories of a member's stored steps that have another checksum than `key`.
+
+    Such steps belong to other inputs, other software or another machine.
+    """
+    return sorted(
+        member_directory
+        for found_member, member_directory in _list_member_directories(directory)
+        if found_member == member and not member_directory.name.endswith(f"-{key}")
+    )
+
+
 def remove_stored_steps(directory: Path, members: Container[int] | None = None, key: str | None = None) -> None:
     """Remove stored steps of members from a result directory.
 
