@@ -77,7 +77,7 @@ def check_replaceable(path: Path, mark: bytes, error_type: type[ValueError]) -> 
     A dangling link counts as existing.
     """
     with _translate_os_errors(path, error_type):
-        if os.path.lexists(path) and not _contains_file_mark(path, mark):
+        if os.path.lexists(path) and not contains_file_mark(path, mark):
             raise error_type(
                 f"{printable_path(path)}: already exists and was not written by stiction; remove it, or choose "
                 "another name"
@@ -231,7 +231,8 @@ def _translate_os_errors(path: Path, error_type: type[ValueError]) -> Iterator[N
         raise error_type(f"{printable_path(path)}: cannot be written: {describe_os_error(error)}") from None
 
 
-def _contains_file_mark(path: Path, mark: bytes) -> bool:
+def contains_file_mark(path: Path, mark: bytes) -> bool:
+    """Return whether a path is a file that contains the bytes `mark` near its start or its end."""
     if not path.is_file():
         return False
     with path.open("rb") as file:

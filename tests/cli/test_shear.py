@@ -352,6 +352,34 @@ def test_export_command_rejects_options_that_do_not_apply_to_shear_tests(rough_d
         assert_rejected(call_stiction("export", "shear", *arguments, cwd=rough_directory), message)
 
 
+def test_result_is_exported_although_its_directory_contains_an_export_named_like_a_shear_test(rough_directory):
+    export_shear(rough_directory, "gap.npy", "--gap")
+    check_stiction(
+        "pair", "--gap", "gap.npy", "--effective-modulus", "16 GPa", "--mu0", 0.6, "--load", "1 MPa",
+        "--cutoff", "none", "--onset", 0, cwd=rough_directory, without_figures=True,
+    )  # fmt: skip
+    check_stiction("export", "pair", "pair/shear.nc", cwd=rough_directory)
+    check_stiction("export", "pair", "pair.csv", cwd=rough_directory)
+    (rough_directory / "pair/shear.nc").write_bytes(b"of the user")
+    check_stiction("export", "pair", "again.csv", cwd=rough_directory)
+    assert (rough_directory / "again.csv").read_bytes() == (rough_directory / "pair.csv").read_bytes()
+
+
+def test_shear_and_export_commands_reject_a_directory_with_a_file_of_another_origin(rough_directory):
+    options = ("--path", "0.2 mm", "--steps", 1, "--mu0", 0.6)
+    shear_arguments = ("shear", "upper.npy", "lower.npy", *SHEAR_OPTIONS, *options, "-o", "other")
+    (rough_directory / "other").mkdir()
+    file = rough_directory / "other/shear.nc"
+    file.write_bytes(b"of the user")
+    for arguments in (("export", "other", "x.csv"), shear_arguments):
+        message = "other/shear.nc was not written by stiction shear; move the file, or choose another directory"
+        assert_rejected(call_stiction(*arguments, cwd=rough_directory), message)
+    file.unlink()
+    export(xarray.Dataset({"height": 1.0}), file)
+    for arguments in (("export", "other", "x.csv"), shear_arguments):
+        assert_rejected(call_stiction(*arguments, cwd=rough_directory), "other/shear.nc contains no shear test;")
+
+
 def test_shear_test_of_an_earlier_version_is_opened_but_has_no_gap_to_export(tmp_path):
     options = {"path": "0.5 mm", "steps": 1, "mu0": 0.6, "directory": tmp_path / "shear", **LOAD_AND_ELASTICITY}
     test = shear_test(*create_faces(), **options)

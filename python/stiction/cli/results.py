@@ -157,12 +157,14 @@ def export(
     from stiction.cli.result_output import open_result_with_warning
     from stiction.direct_shear import export_shear_test
     from stiction.evaluate.computed_loads import find_loads_without_values
-    from stiction.solve.store import load_shear_test
+    from stiction.solve.store import STUDY_FILE, load_shear_test
     from stiction.summary.joint_table import DEFAULT_JOINT_UNITS
     from stiction.views.files import check_joint_file, is_card
 
     chosen_units: Any = units
-    if (test := load_shear_test(directory)) is not None:
+    # In the directory of a study, a file with the name of a shear test may be an export of this study.
+    has_study = (directory / STUDY_FILE).exists()
+    if not has_study and (test := load_shear_test(directory)) is not None:
         reject_options(context, "does not apply to shear tests", "load", "compute", "workers")
         if gap:
             reject_options(context, "cannot be combined with --gap", "joint", "units")

@@ -34,7 +34,7 @@ from stiction._core import __version__
 from stiction._files import (
     DirectoryClaim,
     UnreadableFileError,
-    check_replaceable,
+    contains_file_mark,
     create_file_atomically,
     describe_os_error,
     read_file_bytes,
@@ -489,15 +489,25 @@ def open_stored_result(path: str | Path) -> StoredResult:
 def load_shear_test(directory: Path) -> xarray.Dataset | None:
     """Return the finished shear test in a directory, or None if there is none.
 
-    Raises a `ValueError` if the file is not one that a shear test wrote.
+    Raises a `StoreError` if the file is not one that a shear test wrote.
     """
     import xarray
 
     path = directory / SHEAR_TEST_FILE_NAME
     if not path.exists():
         return None
-    check_replaceable(path, CHECKSUM_PREFIX, ValueError)
-    return xarray.load_dataset(path, engine="h5netcdf")
+    try:
+        is_ours = contains_file_mark(path, CHECKSUM_PREFIX)
+    except OSError as error:
+        raise StoreError(f"{printable_path(path)}: cannot be read: {describe_os_error(error)}") from None
+    if not is_ours:
+        raise StoreError(
+            f"{printable_path(path)} was not written by stiction shear; move the file, or choose another directory"
+        )
+    dataset = xarray.load_dataset(path, engine="h5netcdf")
+    if "displacement" not in dataset.variables:
+        raise StoreError(f"{printable_path(path)} contains no shear test; move the file, or choose another directory")
+    return dataset
 
 
 def open_result_to_complete(path: Path) -> StoredResult | None:
