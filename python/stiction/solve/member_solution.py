@@ -384,12 +384,12 @@ The keys are False for lines and True for maps.
 ITERATIONS_PER_LOAD = 15
 # Largest estimated number of iterations with adhesion, for lines (False) and maps (True).
 # Each step of an energy minimization counts as an iteration.
-MAX_ADHESION_ITERATIONS = {False: 10_700, True: 4000}
+MAX_ADHESION_ITERATIONS = {False: 10_700, True: 3100}
 ADHESION_ITERATION_FACTORS = {False: 100_000, True: 5000}
 """Number of iterations for the adhesion of a gap with E* Sq Sdq / (4 w) = 1, for lines (False) and maps (True).
 
 The factors were fitted to 62 pairs with 64 to 256² points. The number is inversely proportional to this ratio, up to a
-maximum. Bodies near complete contact need the most iterations: 2000 with 256² points, and 3800 with 512² points. They
+maximum. Bodies near complete contact need the most iterations: 1600 to 2500 with 256² points, and 3100 with 512². They
 take the time of as many iterations on the full grid: a step of an energy minimization takes about twice the time of an
 iteration, but almost half of the iterations take place on coarser grids.
 """
