@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -398,6 +399,29 @@ def test_fits_with_mu0_or_tau0_at_zero_agree_with_tests_of_a_pair_whose_contacts
         assert coefficient == pytest.approx(tests[0].coefficient, rel=0.005)
     text = " ".join(calibration_text(interface).split())
     assert "; all intervals include the results for μ0 = 0 and τ0 = 0." in text
+    ends_text = f"μ0 = {np.median(mu0):.3g}, τ0 = 0, to μ0 = 0, τ0 = {1e3 * np.median(tau0):.3g} MPa"
+    assert f"The tests allow all values near the line from {ends_text};" in text
+
+
+def test_both_ends_of_the_line_that_unseparated_tests_allow_have_the_median_sum() -> None:
+    random = np.random.default_rng(4)
+    interface = calibrate([FrictionTest(BALL, 100.0, coefficient=0.4, uncertainty=0.02)], common=0.0, sliding="all")
+    # The tests exclude mu0 = 0, and A/F is uncertain by 20 %.
+    area_per_load = np.exp(0.2 * random.standard_normal(4000))
+    total, mu0 = random.normal(0.4, 0.01, 4000), random.uniform(0.15, 0.4, 4000)
+    mu0 = np.minimum(mu0, total)
+    bound = replace(interface.fits[0], mu0=total, tau0=np.zeros(4000))
+    fit = replace(bound, mu0=mu0, tau0=(total - mu0) / area_per_load, fits_at_bounds={"tau0": bound})
+    interface = replace(interface, fits=(fit,), separated=False)
+    assert interface.possible_zeros == ("tau0",)
+    text = " ".join(calibration_text(interface).split())
+    ends = re.search(r"near the line from μ0 = (\S+), τ0 = 0, to μ0 = (\S+), τ0 = (\S+) MPa", text)
+    assert ends is not None
+    high_mu0, low_mu0, high_tau0 = (float(number) for number in ends.groups())
+    assert high_mu0 == pytest.approx(0.4, abs=0.002)
+    assert low_mu0 == pytest.approx(np.quantile(fit.mu0, 0.025), abs=1e-3)
+    # The median of A/F is 1/GPa.
+    assert low_mu0 + 1e-3 * high_tau0 == pytest.approx(high_mu0, abs=0.02)
 
 
 def test_samples_of_a_strong_interface_have_a_finite_area() -> None:

@@ -17,7 +17,13 @@ from stiction._repr import render_png
 from stiction.calibration.fit import MIN_AREA_VARIATION
 from stiction.calibration.planning import PlannedTests, plan_tests
 from stiction.calibration.prediction import Interface
-from stiction.study.interfaces import ERROR_SCALING_P_VALUE_LIMIT, EXCLUSION_P_VALUE_LIMIT, StrengthFit, ValueWithLimits
+from stiction.study.interfaces import (
+    ERROR_SCALING_P_VALUE_LIMIT,
+    EXCLUSION_P_VALUE_LIMIT,
+    StrengthFit,
+    ValueWithLimits,
+    find_tail_probabilities,
+)
 from stiction.views.json_record import record_json
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, load_text, point_load_text
@@ -179,24 +185,29 @@ def _describe_unseparated_mu0_tau0(interface: Interface) -> Iterator[str]:
     (high_mu0, low_tau0), (low_mu0, high_tau0) = _find_ends_of_strengths(interface)
     zeros = possible_zeros_text(interface, " and ")
     covered_text = f"; all intervals include the results for {zeros}" if zeros else ""
-    yield f"The tests allow all values from {high_mu0}, {low_tau0}, to {low_mu0}, {high_tau0}{covered_text}."
+    line_text = f"{high_mu0}, {low_tau0}, to {low_mu0}, {high_tau0}"
+    yield f"The tests allow all values near the line from {line_text}{covered_text}."
 
 
 def _find_ends_of_strengths(interface: Interface) -> tuple[tuple[str, str], tuple[str, str]]:
-    """Return mu0 and tau0 at both ends of the range that the tests allow, the end with the highest mu0 first.
+    """Return medians of mu0 and tau0 at both ends of the line that the tests allow, the end with the highest mu0 first.
 
-    An end that is not at mu0 = 0 or tau0 = 0 is the limit of a 95 % interval.
+    The samples at an end have tau0 = 0 or mu0 = 0. If the tests exclude this value, the samples are the 5 % with the
+    lowest tau0 or mu0, whose median is the lower limit of an interval with 95 % of all samples.
     """
-    fit, bounds = interface.fits[0], {name: interface.fits[0].fits_at_bounds[name] for name in interface.possible_zeros}
+    fit = interface.fits[0]
 
-    def end(bound: str, mu0_quantile: float) -> tuple[str, str]:
-        if bound in bounds:
-            mu0, tau0 = np.median(bounds[bound].mu0), np.median(bounds[bound].tau0)
+    def end(name: str) -> tuple[str, str]:
+        if name in interface.possible_zeros:
+            bound = fit.fits_at_bounds[name]
+            mu0, tau0 = np.median(bound.mu0), np.median(bound.tau0)
         else:
-            mu0, tau0 = np.quantile(fit.mu0, mu0_quantile), np.quantile(fit.tau0, 1 - mu0_quantile)
+            values = getattr(fit, name)
+            is_lowest = values <= np.quantile(values, 2 * find_tail_probabilities()[0])
+            mu0, tau0 = np.median(fit.mu0[is_lowest]), np.median(fit.tau0[is_lowest])
         return f"μ0 = {mu0:.3g}", f"τ0 = {format_with_unit(tau0, 'GPa') if tau0 else 0}"
 
-    return end("tau0", 0.975), end("mu0", 0.025)
+    return end("tau0"), end("mu0")
 
 
 def _junction_growth_text(interface: Interface) -> str:
