@@ -27,7 +27,7 @@ import numpy as np
 
 import stiction._core as _core
 import stiction._files as _files
-from stiction import mechanics
+import stiction.mechanics as mechanics
 from stiction._core import __version__
 from stiction._errors import NoSolutionError
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
