@@ -27,7 +27,7 @@ TEST_CASE("HertzSphere: force and area match the formulas for the contact radius
 }
 
 TEST_CASE("HertzCylinder: force and area match the formulas for the half-width") {
-  // For the half-width a = 2 µm, Johnson's eq. 4.45 gives a² = 4 F R / (π E* w), and A = 2 a w.
+  // For the half-width a = 2 µm, Johnson (1985), section 4.2(c), gives a² = 4 F R / (π E* w), and A = 2 a w.
   const auto [force, area] = HertzCylinder{3.0, 5.0}(0.5, {8.0, 8.0});
   CHECK(4.0 * force * 8.0 / (std::numbers::pi * 3.0 * 5.0) == doctest::Approx(4.0).epsilon(round_off));
   CHECK(area == doctest::Approx(20.0).epsilon(round_off));

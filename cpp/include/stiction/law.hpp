@@ -52,7 +52,7 @@ struct HertzSphere {
 
 /// Two elastic parallel cylinders of width w: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2).
 /// The overlap of the undeformed circles is set equal to a²/R, where 2a is the contact width.
-/// In the limit a << R, the force at a given half-width a is exact: Johnson, Contact Mechanics (1985), eq. 4.45.
+/// In the limit a << R, the force at a given half-width a is exact: Johnson, Contact Mechanics (1985), section 4.2(c).
 /// The approach of distant points cannot define the overlap, because this approach is unbounded in a line contact.
 struct HertzCylinder {
   double effective_modulus;  ///< E* [GPa] > 0

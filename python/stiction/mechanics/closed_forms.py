@@ -565,7 +565,7 @@ def hertz_cylinder(
     -----
     .. math:: F = \fracπ4 E^* d\,w, \qquad A = 2 w (R d)^{1/2}
 
-    Johnson, Contact Mechanics (1985), eq. 4.45: a² = 4 F R / (π E* w).
+    Johnson, Contact Mechanics (1985), section 4.2(c): a² = 4 F R / (π E* w).
 
     Examples
     --------
@@ -618,8 +618,8 @@ def hertz_line(
     -----
     .. math:: a^2 = \frac{4 F R}{π E^* w}, \qquad p_0 = \frac{2 F}{π a w}
 
-    The pressure at a distance x from the middle is p0 sqrt(1 - (x/a)²). Johnson, Contact Mechanics (1985), eqs.
-    4.43-4.45.
+    The pressure at a distance x from the middle is p0 sqrt(1 - (x/a)²). Johnson, Contact Mechanics (1985), section
+    4.2(c).
 
     Examples
     --------

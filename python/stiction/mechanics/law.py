@@ -72,8 +72,8 @@ class HertzCylinder(ContactLaw):
 
     Notes
     -----
-    Johnson, Contact Mechanics (1985), eq. 4.45. The overlap is that of the undeformed circles, a²/R. The approach of
-    distant points in a line contact depends on the size of the bodies.
+    Johnson, Contact Mechanics (1985), section 4.2(c). The overlap is that of the undeformed circles, a²/R. The approach
+    of distant points in a line contact depends on the size of the bodies.
 
     Examples
     --------
