@@ -314,7 +314,7 @@ class Filter {
     const std::size_t count = shape_.coefficient_count();
     const std::size_t stride = padded_stride<Real>(count);
     Complex* area = scratch.coefficients.get<Real>(shape_.rows * stride);
-    // Rows that contain only zeros, which are many if the contact area is small, need no transform along x.
+    // Rows of zeros need no transform along x. If the contact area is small, many rows contain only zeros.
     std::vector<std::size_t> filled;
     for (std::size_t row = 0; row < shape_.rows; ++row) {
       const auto* from = values.data() + row * shape_.columns;

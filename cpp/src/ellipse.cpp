@@ -37,12 +37,12 @@ Integrals integrals(double k) {
   return {a, ratio};
 }
 
-// Return the derivative of ln(shorter / longer) with respect to ln k.
+// Return the derivative of ln(shorter / longer radius of curvature) with respect to ln k, where k is the axis ratio.
 double log_slope(double k, double ratio) {
   const double e2 = (1.0 - k) * (1.0 + k);
   const double complement = 1.0 - ratio;
   if (e2 < 1e-4) {
-    // For e -> 0, the derivative of ln(shorter / longer) with respect to ln k tends to 1.5.
+    // For e -> 0, the derivative tends to 1.5.
     // The error of the limit 1.5 is about e², too small to change the number of iterations noticeably.
     return 1.5;
   }
@@ -57,8 +57,9 @@ Ellipse hertz_ellipse(double longer, double shorter) {
                                 format_number(longer) + " and " + format_number(shorter) + " µm");
   }
   const double target = shorter / longer;
-  // Newton's method solves for the axis ratio k, because ln(shorter/longer) is almost a linear function of ln k.
-  // The derivative of ln(shorter/longer) with respect to ln k is 1.5 at k = 1 and 2 at k = 0.
+  // Newton's method solves for the axis ratio k of the contact ellipse. The logarithm of the ratio of the radii of
+  // curvature, shorter/longer, is almost a linear function of ln k. The slope of this function is 1.5 at k = 1 and
+  // tends to 2 for k -> 0.
   double k = std::cbrt(target * target);
   Integrals values = integrals(k);
   for (int i = 0; i < 20; ++i) {

@@ -395,10 +395,11 @@ void ProjectedCgSolver::find_free_points(std::size_t first, std::size_t last, st
   }
 }
 
-// Return the approach if no pressure lies strictly between the bounds.
-// At the returned approach, points at their bound must not have a gap, and points without pressure must not overlap.
+// Return the approach if each point has either no pressure or the pressure at its upper bound.
+// At the returned approach, points at their pressure bound must not have a gap, and points without pressure must not
+// overlap.
 // The approach is the largest potential under pressure, if no potential at a point without pressure is lower.
-// Otherwise, the approach lets some points at their bound and some points without pressure become free.
+// Otherwise, the approach lets some points at their pressure bound and some points without pressure become free.
 double ProjectedCgSolver::approach_from_bounds() const {
   double max_loaded = -std::numeric_limits<double>::infinity();
   double min_unloaded = std::numeric_limits<double>::infinity();

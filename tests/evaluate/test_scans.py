@@ -189,9 +189,9 @@ def test_pair_function_rejects_a_directory_of_scans_that_contains_a_pipe(tmp_pat
 
 def test_pair_function_rejects_identical_scans_and_scans_with_different_grids(tmp_path) -> None:
     arguments = {"mechanics": "asperities", "onset": 0, **PAIR_OPTIONS}
-    with pytest.raises(ValueError, match=r"surfaces.upper: the scans of a part must have the same number of points"):
+    with pytest.raises(ValueError, match=r"surfaces.upper: the scans of a body must have the same number of points"):
         pair([rough_scan(1, "upper"), rough_scan(2, "upper", points=40)], rough_scan(1, "lower"), **arguments)
-    with pytest.raises(ValueError, match=r"surfaces.upper: two scans of a part are identical"):
+    with pytest.raises(ValueError, match=r"surfaces.upper: two scans of a body are identical"):
         pair(
             [rough_scan(1, "upper"), rough_scan(2, "upper"), rough_scan(1, "upper")],
             rough_scan(1, "lower"),
@@ -201,7 +201,7 @@ def test_pair_function_rejects_identical_scans_and_scans_with_different_grids(tm
         pair(rough_scan(1, "upper"), tmp_path, **arguments)
     with pytest.raises(ValueError, match="second must not contain an empty file name"):
         pair(rough_scan(1, "upper"), " ", **arguments)
-    with pytest.raises(ValueError, match=r"surfaces.surrogates: must be 0 if a part has several scans"):
+    with pytest.raises(ValueError, match=r"surfaces.surrogates: must be 0 if a body has several scans"):
         pair([rough_scan(1, "upper"), rough_scan(2, "upper")], rough_scan(1, "lower"), surrogates=4, **arguments)
 
 

@@ -143,7 +143,7 @@ class _InputSamples:
     values: dict[str, Floats]
     # Samples of the effective modulus E*, divided by the E* of the study.
     modulus: Floats | float
-    # Exponents of indentation creep, one per sample.
+    # Exponent of indentation creep for each sample of the inputs, or None without a creep exponent.
     creep: Floats | None
 
 

@@ -88,7 +88,7 @@ class AreaFunction:
         return measured_hardness * size_effect_factor(size_effect, depth, self.indent)
 
     def elastic_area(self, load: ArrayLike, modulus: ArrayLike = 1.0) -> Floats:
-        """Return the true area (µm²) at a load (mN) if the bodies stayed elastic, with E* multiplied by `modulus`.
+        """Return the true area (µm²) of elastic bodies at a load (mN), with E* multiplied by the factor `modulus`.
 
         Above and below the computed loads, the area is proportional to the load.
         """

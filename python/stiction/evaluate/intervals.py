@@ -261,7 +261,7 @@ class MeansAtLoads:
         self._num_carrying = np.zeros(normal.shape[0], np.intp)
 
     def add_repetitions(self, normal: Floats, quantities: Sequence[Floats]) -> None:
-        """Add further repetitions: arrays (curves, steps, repetitions) of the normal load and of each quantity."""
+        """Add the normal load and each quantity of further repetitions, as arrays (curves, steps, repetitions)."""
         self._num_carrying += np.count_nonzero(normal.any(axis=1), axis=1)
         points = {"curve": self._curve, "step": self._index, "fraction": self._fraction, "load": self._load}
         for quantity, values in zip(self._quantities, quantities, strict=True):
@@ -308,7 +308,7 @@ class _QuantityAtLoads:
     def add_repetitions(
         self, normal: Floats, values: Floats, points: Mapping[str, NDArray[Any]], total_repetitions: int
     ) -> None:
-        """Add further repetitions: arrays (curves, steps, repetitions) of the normal load and of the quantity."""
+        """Add the normal load and the quantity of further repetitions, as arrays (curves, steps, repetitions)."""
         self.has_negative_values |= (values < 0).any(axis=(1, 2))
         power_sums = _core.jackknife_sums(
             normal, values, **points, mean=self.mean, slope=self._slope, total_repetitions=total_repetitions
@@ -604,7 +604,8 @@ def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[n
     freedom = float(freedoms[~is_separate].sum())
     residual_variance = float(sums[~is_separate].sum()) / max(freedom, 1.0)
     variance_components = np.append(np.where(is_separate, mean_squares - residual_variance, 0.0)[:2], residual_variance)
-    # The residual variance is subtracted once for each mean square that is not pooled with it.
+    # Each separate mean square in the sum of `variance_components` is reduced by the residual variance. With these
+    # reductions, the factor of the residual variance in the sum is 1 minus the number of separate mean squares.
     component_weights = np.append(
         np.where(is_separate, mean_squares, 0.0)[:2], (1 - is_separate.sum()) * residual_variance
     )

@@ -52,8 +52,9 @@ class SlidingRuleCoefficient(Estimate):
     slopes: float = math.nan
     # True if the asperity model is invalid for contacts that carry more than half of the load.
     is_outside_asperity_model: bool = False
-    # Coefficients with intervals of the mean, by direction of motion (degrees): along the axes, and in every direction.
+    # Mean coefficient of both directions along an axis, with the interval of the mean. The key is the axis (degrees).
     by_axis: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
+    # Coefficient in each direction of motion, with the interval of the mean. The key is the direction (degrees).
     by_direction: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
 
     @property

@@ -302,9 +302,9 @@ class InterfaceStrength:
 
     @property
     def identified(self) -> ValueWithLimits:
-        """Sum mu0 + tau0 A/F with its 95 % interval, at the true area per load A/F of the tests.
+        """The coefficient mu0 + tau0 A/F that the tests determine, with its 95 % interval.
 
-        The value is NaN if A/F is unknown.
+        A/F is the true area per load of the tests. The value is NaN if A/F is unknown.
         """
         if not np.isfinite(self.fits[0].area_per_load).all():
             return self.at(self.area_per_load) if math.isfinite(self.area_per_load) else (math.nan,) * 3

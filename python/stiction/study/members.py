@@ -210,13 +210,13 @@ class PreparedBodies:
         for side, scans in zip(SIDES, self._scans_by_side, strict=True):
             if len(scans) > 1 and len({_get_grid_properties(scan) for scan in scans}) > 1:
                 raise ValueError(
-                    f"surfaces.{side}: the scans of a part must have the same number of points and the same spacing"
+                    f"surfaces.{side}: the scans of a body must have the same number of points and the same spacing"
                 )
             heights = [scan.heights for scan in scans if isinstance(scan, Profile | Surface)]
             if len(heights) > 1 and len({array.tobytes() for array in heights}) < len(heights):
-                raise ValueError(f"surfaces.{side}: two scans of a part are identical; give each scan only once")
+                raise ValueError(f"surfaces.{side}: two scans of a body are identical; give each scan only once")
         if surfaces.first_scan_member_index and math.prod(surfaces.scan_counts) > 1:
-            raise ValueError("surfaces.surrogates: must be 0 if a part has several scans")
+            raise ValueError("surfaces.surrogates: must be 0 if a body has several scans")
         self._cached_members = functools.lru_cache(MAX_CACHED_PAIRS)(self._prepare_member_source)
         self._locks: dict[tuple[float, int, int], threading.Lock] = {}
 

@@ -833,7 +833,9 @@ class MeasuredPair:
             value = self.elasticity.hardness
             return None if value is None else parse_input_value("hardness", format_material_value(value, "GPa"))
         if self.elasticity.materials and self.elasticity.hardness is None:
-            raise ArgumentError("{hardness} must not be given, because {got}", got=self.elasticity.hardness_source)
+            raise ArgumentError(
+                "{hardness} must not be given, because {reason}", reason=self.elasticity.hardness_source
+            )
         return self._parse_inputs("hardness")[0]
 
     def _build_contact_law_entry(self) -> Any:

@@ -26,9 +26,11 @@ GRID_TOLERANCE = 0.02
 MAX_SECOND_CORRELATION_RATIO = 0.7
 # Minimum overlap of two faces along each axis, relative to the length of the shorter face.
 MIN_OVERLAP_FRACTION = 0.5
-# Minimum number of points along each axis of coarse profiles (key 1) or maps (key 2) whose slopes are correlated.
+# Minimum number of points along each axis of coarse faces whose slopes are correlated. The key is the number of
+# dimensions: 1 for profiles, 2 for maps.
 _MIN_COARSE_POINTS = {1: 64, 2: 16}
-# Maximum number of points along each axis of coarse profiles (key 1) or maps (key 2) in the search for the best fit.
+# Maximum number of points along each axis of coarse faces in the search for the best fit. The key is the number of
+# dimensions: 1 for profiles, 2 for maps.
 _MAX_COARSE_POINTS = {1: 2048, 2: 128}
 _MAX_REFINEMENTS = 20
 # Fractions of a Gauss-Newton step. The first fraction that decreases the rms gap is used.

@@ -336,7 +336,7 @@ def _compute_slopes_along_axes(heights: Floats) -> list[Floats]:
 
 
 def _find_integer_shift(a: Floats, b: Floats) -> Floats:
-    """Return the shift (in whole points) with the largest correlation, for overlaps of more than half a scan."""
+    """Return the shift (in whole points) with the largest correlation among shifts that overlap by over half a scan."""
     from scipy.fft import irfftn, next_fast_len, rfftn
 
     shape = [next_fast_len(n + m, real=True) for n, m in zip(a.shape, b.shape, strict=True)]

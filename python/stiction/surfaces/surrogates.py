@@ -300,7 +300,10 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
 
 
 def _fit_densities(response: Floats, measured_density: Floats, count: Floats, density: Floats) -> Floats:
-    """Fit densities in rings of wave vectors to the spectrum of a profile, by maximum likelihood (Fisher scoring)."""
+    """Fit the spectral density in each ring of wave vectors to a profile's spectrum by maximum likelihood.
+
+    The likelihood is maximized by Fisher scoring.
+    """
 
     def cost(log_density: Floats) -> float:
         predicted_density = response @ np.exp(log_density)

@@ -209,7 +209,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
 def _merge_quantities(
     table: pandas.DataFrame, dataset: xarray.Dataset, study: Study, keys: Sequence[str]
 ) -> pandas.DataFrame:
-    """Add the columns of all quantities in a CSV file to a table of coefficients.
+    """Add to a table of coefficients the columns of all quantities that a CSV file contains.
 
     `keys` are the columns that identify the rows of a quantity, if the quantity depends on them. Quantities with the
     same rows are added in one step, because each step takes several milliseconds.

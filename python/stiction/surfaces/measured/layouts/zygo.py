@@ -64,8 +64,8 @@ def _read(text: DecodedText) -> RawHeights:
     max_nodes = max(MAX_NODES_PER_POINT * heights.size, MAX_POINTS_OF_SMALL_MAP)
     if not (columns > 0 and rows > 0 and rows * columns <= min(max_nodes, MAX_TABLE_GRID_POINTS)):
         raise FormatError(
-            f"declares in line {_MAP_SIZE_LINE_INDEX + 1} a map of {rows} rows of {columns} points; a map of which "
-            f"{heights.size} points are listed must have from 1 to {min(max_nodes, MAX_TABLE_GRID_POINTS)} points"
+            f"declares in line {_MAP_SIZE_LINE_INDEX + 1} a map of {rows} rows of {columns} points; the map of a "
+            f"file that lists {heights.size} points must have 1 to {min(max_nodes, MAX_TABLE_GRID_POINTS)} points"
         )
     column, row = column - x0, row - y0
     if not (np.array_equal(column, np.round(column)) and np.array_equal(row, np.round(row))):
