@@ -69,7 +69,7 @@ def run_benchmark() -> list[tuple[str, str]]:
         lambda: rfft2(large_pair[0].heights, workers=1),
         lambda: press_with_both_rules(*large_pair),
     )
-    curve, rough_curve = press_with_both_rules(*small_pair)[0], press_with_both_rules(*rough_pair)[0]
+    curve, rough_pair_curve = press_with_both_rules(*small_pair)[0], press_with_both_rules(*rough_pair)[0]
     count_text = f"{curve.contact_count[-1]} contacts"
     rows = [
         ("T: scipy.fft.rfft2 of one map of 512 x 512", f"{1e3 * transform_time:.2f} ms"),
@@ -79,7 +79,7 @@ def run_benchmark() -> list[tuple[str, str]]:
         ),
         ("search for the candidates alone", f"{candidate_time / transform_time:.1f} T"),
         (
-            f"the same pair with roughness down to the grid spacing, {rough_curve.contact_count[-1]} contacts",
+            f"the same pair with roughness down to the grid spacing, {rough_pair_curve.contact_count[-1]} contacts",
             f"{fine_pair_time / transform_time:.1f} T",
         ),
         ("pair of 2048 x 2048, time per point relative to 512 x 512", f"{large_pair_time / pair_time / 16:.2f}"),

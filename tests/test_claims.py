@@ -347,7 +347,7 @@ def test_tables_of_claims_contain_every_part_of_each_claim(result):
     assert {line.replace("\\|", "").count("|") for line in rows} == {6}
 
 
-def test_judging_claims_rejects_a_study_without_the_required_amplitude(result):
+def test_judging_claims_rejects_a_result_without_the_requested_roughness_amplitude(result):
     with pytest.raises(ValueError, match=r"no amplitude of 0\.3 µm"):
         judge_claims(result, amplitude=0.3)
 

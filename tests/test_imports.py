@@ -165,7 +165,7 @@ Views use `Evaluation` and `Summary` instead.
 """
 
 ALLOWED_IMPORTS_OF_VIEWS = {
-    "companions.height_scale.ScaledBodies", "summary.report_grid.ParameterAxis", "companions.onset.OnsetValues",
+    "companions.height_scale.ScaledBodies", "summary.report_grid.ParameterAxis", "companions.onset.OnsetSummary",
 }  # fmt: skip
 """Types that views may import from the restricted modules."""
 

@@ -47,7 +47,7 @@ ROOT = Path(__file__).resolve().parents[2]
 MIN_REPETITIONS = 20
 """Minimum number of repetitions that a verdict requires."""
 
-MAX_BAND_FRACTAL_DIMENSION = 1.65
+MAX_FRACTAL_DIMENSION_IN_BANDS = 1.65
 """Largest fractal dimension in simultaneous bands of profiles with the asperity model."""
 
 NUM_RESAMPLES = 400
@@ -110,48 +110,48 @@ class ClaimsTableColumn:
         return Study.named(self.study).with_changes({**self.changes, "ensemble.repetitions": reduced_repetitions})
 
 
-_AMPLITUDE_STUDY_OVERRIDES = {"surfaces.amplitude": ["0.05 um", "0.1 um", "0.2 um"]}
-_AREAL_STUDY_OVERRIDES = {
-    **_AMPLITUDE_STUDY_OVERRIDES,
+_OVERRIDES_FOR_THREE_AMPLITUDES = {"surfaces.amplitude": ["0.05 um", "0.1 um", "0.2 um"]}
+_OVERRIDES_FOR_HEIGHT_MAPS = {
+    **_OVERRIDES_FOR_THREE_AMPLITUDES,
     "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 15},
 }
-_HALF_PLANE_STUDY_OVERRIDES = {
+_OVERRIDES_FOR_HALF_PLANES = {
     "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.5, "count": 6},
     "surfaces.points": 65_536,
     "contact.load": {"start": "0.01 mN", "stop": "1 mN", "count": 5, "spacing": "geometric"},
 }
-_HALF_SPACE_STUDY_CHANGES = {
-    **_AMPLITUDE_STUDY_OVERRIDES,
+_OVERRIDES_FOR_HALF_SPACES = {
+    **_OVERRIDES_FOR_THREE_AMPLITUDES,
     "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 8},
     "surfaces.shape": [256, 256],
     "contact.mechanics": "half-space",
     "contact.load": {"start": "0.1 mN", "stop": "3 mN", "count": 5, "spacing": "geometric"},
 }
-_GAP_MINIMUM_STUDY_CHANGES = {"contact.detection": "gap-minimum"}
-_ALL_CONTACTS_STUDY_CHANGES = {
-    **_GAP_MINIMUM_STUDY_CHANGES,
+_OVERRIDES_FOR_GAP_MINIMUM_DETECTION = {"contact.detection": "gap-minimum"}
+_OVERRIDES_FOR_FRICTION_AT_ALL_CONTACTS = {
+    **_OVERRIDES_FOR_GAP_MINIMUM_DETECTION,
     "contact.sliding": "all",
     "surfaces.fractal_dimension.count": 15,
 }
 
 CLAIMS_TABLE_COLUMNS: Mapping[str, ClaimsTableColumn] = {
     "profiles, gap-minimum detection": ClaimsTableColumn(
-        "figure7", _GAP_MINIMUM_STUDY_CHANGES, "opposing", 20, "gap-minima"
+        "figure7", _OVERRIDES_FOR_GAP_MINIMUM_DETECTION, "opposing", 20, "gap-minima"
     ),
     "profiles, gap-minimum detection, friction at all contacts": ClaimsTableColumn(
-        "figure7", _ALL_CONTACTS_STUDY_CHANGES, "all", 20, "gap-minima-all"
+        "figure7", _OVERRIDES_FOR_FRICTION_AT_ALL_CONTACTS, "all", 20, "gap-minima-all"
     ),
-    "height maps, asperities": ClaimsTableColumn("figure6-areal", _AREAL_STUDY_OVERRIDES, "opposing", 80, "areas"),
+    "height maps, asperities": ClaimsTableColumn("figure6-areal", _OVERRIDES_FOR_HEIGHT_MAPS, "opposing", 80, "areas"),
     "height maps, asperities, friction at all contacts": ClaimsTableColumn(
-        "figure6-areal", _AREAL_STUDY_OVERRIDES, "all", 80, "areas"
+        "figure6-areal", _OVERRIDES_FOR_HEIGHT_MAPS, "all", 80, "areas"
     ),
-    "half-planes": ClaimsTableColumn("figure6-half-plane", _HALF_PLANE_STUDY_OVERRIDES, "opposing", 100, "half-planes"),
+    "half-planes": ClaimsTableColumn("figure6-half-plane", _OVERRIDES_FOR_HALF_PLANES, "opposing", 100, "half-planes"),
     "half-planes, friction at all contacts": ClaimsTableColumn(
-        "figure6-half-plane", _HALF_PLANE_STUDY_OVERRIDES, "all", 100, "half-planes"
+        "figure6-half-plane", _OVERRIDES_FOR_HALF_PLANES, "all", 100, "half-planes"
     ),
-    "half-spaces": ClaimsTableColumn("figure6-areal", _HALF_SPACE_STUDY_CHANGES, "opposing", 66, "half-spaces"),
+    "half-spaces": ClaimsTableColumn("figure6-areal", _OVERRIDES_FOR_HALF_SPACES, "opposing", 66, "half-spaces"),
     "half-spaces, friction at all contacts": ClaimsTableColumn(
-        "figure6-areal", _HALF_SPACE_STUDY_CHANGES, "all", 66, "half-spaces"
+        "figure6-areal", _OVERRIDES_FOR_HALF_SPACES, "all", 66, "half-spaces"
     ),
 }
 """Columns of the table of claims, by title."""
@@ -224,7 +224,7 @@ class ResampledMeans:
         motion_dataset = dataset.sel(sliding=sliding or rules[0]) if "sliding" in dataset.dims else dataset
         if interval_method == "bands" and study.surfaces.kind == "profile" and study.contact.mechanics == "asperities":
             motion_dataset = motion_dataset.sel(
-                fractal_dimension=motion_dataset["fractal_dimension"] <= MAX_BAND_FRACTAL_DIMENSION
+                fractal_dimension=motion_dataset["fractal_dimension"] <= MAX_FRACTAL_DIMENSION_IN_BANDS
             )
         self.interval_method = interval_method
         repetitions = motion_dataset.sizes["repetition"]

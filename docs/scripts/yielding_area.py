@@ -315,7 +315,7 @@ def read_output(path: Path, quantity: str, node_set: str) -> tuple[np.ndarray, n
     return np.array([float(time) for time, _ in blocks]), np.array([table[:, 2] for table in tables])
 
 
-def interpolate_edges(x: np.ndarray, gap: np.ndarray, contact: np.ndarray, power: float) -> float:
+def interpolate_contact_length(x: np.ndarray, gap: np.ndarray, contact: np.ndarray, power: float) -> float:
     """Return the length in contact, if the gap beside contacts increases with a power of the distance from the edge."""
     contact_length = 0.0
     contact_starts = np.flatnonzero(np.diff(contact.astype(int), prepend=0) == 1)
@@ -339,7 +339,7 @@ def measure_area(case: FiniteElementCase, x: np.ndarray, gap: np.ndarray, force:
     """Return two estimates of the true area: from nodes that carry a force, and from interpolated contact edges."""
     is_contact = force > 0
     node_boundaries = np.concatenate([[x[0]], (x[1:] + x[:-1]) / 2, [x[-1]]])
-    interpolated_length = interpolate_edges(x, gap, is_contact, 1.5)
+    interpolated_length = interpolate_contact_length(x, gap, is_contact, 1.5)
     if isinstance(case, PressedBall):
         return math.pi * node_boundaries[np.flatnonzero(is_contact)[-1] + 1] ** 2, math.pi * interpolated_length**2
     return float(np.diff(node_boundaries)[is_contact].sum()), interpolated_length

@@ -9,7 +9,7 @@ import numpy as np
 
 from stiction._checks import validate_number
 from stiction._errors import ArgumentError
-from stiction._units import Quantity, core_quantity, quantity, short_repr, unit_names
+from stiction._units import Quantity, quantity, quantity_in_core_units, short_repr, unit_names
 
 
 def split_values(value: Any) -> list[Any]:
@@ -38,7 +38,11 @@ def _split_required_values(name: str, value: Any) -> list[Any]:
 def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
     """Convert a text with a unit, or a number in core units, to a quantity of the given kind, such as "pressure"."""
     try:
-        return quantity(value, kind) if isinstance(value, str) else core_quantity(validate_number("", value), kind)
+        return (
+            quantity(value, kind)
+            if isinstance(value, str)
+            else quantity_in_core_units(validate_number("", value), kind)
+        )
     except ValueError as error:
         raise ArgumentError.for_argument(name, str(error).strip()) from None
 

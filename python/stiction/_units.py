@@ -101,7 +101,7 @@ def quantity(text: object, kind: str) -> Quantity:
     return _check_magnitude(Quantity(value, f"{digits} {unit}"), kind, text)
 
 
-def core_quantity(value: float, kind: str) -> Quantity:
+def quantity_in_core_units(value: float, kind: str) -> Quantity:
     """Return a number in core units as a quantity of the given kind.
 
     Raises a `ValueError` if the number is implausibly small or large.

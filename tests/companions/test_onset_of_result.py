@@ -23,9 +23,9 @@ from stiction.companions.onset import (
     ONSET_FILE,
     TRACTION_TOLERANCE,
     compute_onset,
-    find_onset_values,
     format_backbone_csv,
     load_stored_onset,
+    read_onset_summary,
     scale_onset,
 )
 from stiction.evaluate.intervals import average_independent_values
@@ -107,7 +107,7 @@ def test_onset_displacement_is_finite_for_asperities_and_undefined_for_half_plan
             mechanics == "asperities"
         )
         assert ("iwan_chi" in result.attrs) == (mechanics == "asperities")
-        assert "slips" in onset_text(find_onset_values(result))
+        assert "slips" in onset_text(read_onset_summary(result))
 
 
 def test_onset_of_sliding_of_a_result_with_several_cutoffs_is_computed_at_the_reported_cutoff():
@@ -209,21 +209,21 @@ def test_onset_csv_table_starts_at_zero_tangential_load_and_displacement(onset):
 
 
 def test_onset_table_and_json_record_have_equal_displacements(onset):
-    values = find_onset_values(onset)
+    values = read_onset_summary(onset)
     record = onset_record(values)
     assert "Pre-sliding displacement " in onset_text(values)
     assert record["iwan"]["chi"] == onset.attrs["iwan_chi"]
     assert len(record["curve"]) == onset.sizes["fraction"]
     for scale in (1.0, 1e3):
         scaled_onset = onset.assign({name: scale * onset[name] for name in ("displacement_at_sliding", "stiffness")})
-        rows = dict(onset_rows(find_onset_values(scaled_onset))[1:])
+        rows = dict(onset_rows(read_onset_summary(scaled_onset))[1:])
         (name,) = (name for name in rows if name.startswith("pre-sliding displacement"))
         value = float(rows[name].split()[0]) * {"nm": 1e-3, "µm": 1.0, "mm": 1e3}[name.split("(")[1][:-1]]
         assert value == pytest.approx(scale * record["displacement_at_sliding"]["value"], rel=0.1)
 
 
 def test_onset_text_states_the_sliding_rule_of_the_onset_if_the_interface_has_another_rule(study, onset):
-    values = find_onset_values(onset)
+    values = read_onset_summary(onset)
     interface = {"file": "film.csv", "mu0": 0.3, "tau0": "0 MPa", "sliding": "opposing"}
     texts = [
         format_paragraph(onset_paragraph(values, displayed_study, verbose=False))

@@ -121,45 +121,45 @@ def test_uncertainty_budget_averages_the_remaining_interval_width_over_possible_
 def test_combined_interval_of_the_true_area_is_limited_to_the_nominal_area():
     intervals = build_intervals({"contact.effective_modulus": "50..200 GPa"}, area=0.9 * NOMINAL_AREA, half_width=1e-6)
     estimates = {name: np.array([0.9, 0.85, 0.95]) for name in ("contact_area_fraction", "normal_stiffness")}
-    extended_intervals = intervals.extend_quantity_intervals(estimates)
-    assert extended_intervals["contact_area_fraction"][2] == 1.0
-    assert extended_intervals["contact_area_fraction"][1] < 0.6
-    assert extended_intervals["contact_area_fraction"][0] == 0.9
+    widened_intervals = intervals.widen_quantity_intervals(estimates)
+    assert widened_intervals["contact_area_fraction"][2] == 1.0
+    assert widened_intervals["contact_area_fraction"][1] < 0.6
+    assert widened_intervals["contact_area_fraction"][0] == 0.9
 
 
 def test_combined_interval_of_a_quantity_contains_the_interval_of_the_mean():
     intervals = build_intervals({"friction.tau0": "0.0499..0.0501 GPa"}, half_width=1e-6)
     skewed = np.array([20.0, 19.0, 30.0])
-    extended_intervals = intervals.extend_quantity_intervals({"contact_area": skewed})["contact_area"]
-    assert extended_intervals[0] == 20.0
-    assert extended_intervals[1] <= 19.0
-    assert extended_intervals[2] >= 30.0
+    widened_intervals = intervals.widen_quantity_intervals({"contact_area": skewed})["contact_area"]
+    assert widened_intervals[0] == 20.0
+    assert widened_intervals[1] <= 19.0
+    assert widened_intervals[2] >= 30.0
 
 
 def test_contact_area_and_pressure_intervals_follow_the_range_of_the_modulus():
     intervals = build_intervals({"contact.effective_modulus": "80..125 GPa"}, half_width=1e-6)
     names = ("contact_area", "contact_area_fraction", "mean_pressure", "normal_stiffness", "unloading_stiffness")
-    extended_intervals = intervals.extend_quantity_intervals({name: np.array([0.5, 0.5, 0.5]) for name in names})
+    widened_intervals = intervals.widen_quantity_intervals({name: np.array([0.5, 0.5, 0.5]) for name in names})
     for name in names[:3]:
-        assert extended_intervals[name][1:] / 0.5 == pytest.approx([0.8, 1.25], rel=QUANTILE_ERROR)
+        assert widened_intervals[name][1:] / 0.5 == pytest.approx([0.8, 1.25], rel=QUANTILE_ERROR)
     # If the area is proportional to the load, the stiffness does not depend on the modulus.
     for name in names[3:]:
-        assert extended_intervals[name][1:] / 0.5 == pytest.approx([1.0, 1.0], rel=QUANTILE_ERROR)
+        assert widened_intervals[name][1:] / 0.5 == pytest.approx([1.0, 1.0], rel=QUANTILE_ERROR)
 
 
 def test_uncertain_tau0_widens_only_the_interval_of_the_contact_area_at_the_onset_of_sliding():
     changes = {"friction.tau0": "uniform 0.05 .. 0.15 GPa", "contact.junction_growth": "slip-line 5.6"}
     intervals = build_intervals(changes, hardness=1.0, tau0=0.1, area=0.5, growth=5.6, half_width=1e-6)
     areas = {name: np.array([12.0, 12.0, 12.0]) for name in ("contact_area", "contact_area_at_onset")}
-    extended_intervals = intervals.extend_quantity_intervals(areas)
+    widened_intervals = intervals.widen_quantity_intervals(areas)
     response = intervals.response
     expected = [
         12.0 * float(response.at_central_inputs(tau0=tau0).area_at_onset / response.at_central_inputs().area_at_onset)
         for tau0 in (0.0525, 0.1475)
     ]
     assert expected[1] > 1.1 * expected[0]
-    assert extended_intervals["contact_area_at_onset"][1:] == pytest.approx(expected, rel=QUANTILE_ERROR)
-    assert extended_intervals["contact_area"][1:] == pytest.approx([12.0, 12.0])
+    assert widened_intervals["contact_area_at_onset"][1:] == pytest.approx(expected, rel=QUANTILE_ERROR)
+    assert widened_intervals["contact_area"][1:] == pytest.approx([12.0, 12.0])
 
 
 def test_dwell_time_reduces_the_hardness_by_each_sample_of_the_creep_exponent():

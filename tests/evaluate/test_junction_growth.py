@@ -195,7 +195,7 @@ def test_friction_interval_has_no_upper_limit_if_contacts_seize_in_many_samples(
     assert (result.at()["status"] == "ok").all()
 
 
-def test_uncertainty_budget_includes_junction_growth_if_contacts_seize_in_few_samples():
+def test_uncertainty_budget_includes_junction_growth_even_if_contacts_seize_in_only_a_few_input_samples():
     result = pair(
         *rough_surfaces(),
         **PLASTIC_OPTIONS | INTERFACE_STRENGTH | {"hardness": "0.23..1.7 GPa"},

@@ -13,7 +13,7 @@ from stiction.study.pair_study import MeasuredPair
 from stiction.summary.input_caveats import find_study_caveats
 from stiction.surfaces.measured.writing import write_surface
 from stiction.surfaces.scan_defects import estimate_roughness_drift
-from stiction.views.sentence import point_note_text
+from stiction.views.sentence import result_point_note
 
 pytestmark = pytest.mark.usefixtures("no_companion_files")
 
@@ -151,9 +151,9 @@ def test_variability_between_scans_widens_the_interval_and_has_a_row_in_the_budg
     if spread:
         assert scan_rows
         assert budget[list(scan_rows)].sum() > 0.2
-    assert "4 × 4 scans of both parts" in point_note_text(result.summary().first)
+    assert "4 × 4 scans of both parts" in result_point_note(result.summary().first)
     single_scan_result = pair(*(scans_of_part[0] for scans_of_part in scans), shifts=32, **arguments)
-    assert "one scan of each part" in point_note_text(single_scan_result.summary().first)
+    assert "one scan of each part" in result_point_note(single_scan_result.summary().first)
     assert np.ptp(result.interval) > (1.5 if spread else 0.0) * np.ptp(single_scan_result.interval)
     lower, upper = result.prediction_interval
     assert lower <= result.interval[0] < result.interval[1] <= upper

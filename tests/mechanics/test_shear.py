@@ -371,7 +371,7 @@ def test_shear_test_accepts_materials_and_interfaces_like_the_pair_function():
 
 
 @pytest.mark.usefixtures("all_input_samples")
-def test_shear_interval_contains_only_the_likely_part_of_the_samples_with_tau0_at_zero():
+def test_shear_interval_contains_a_reduced_fraction_of_the_samples_of_the_fit_with_tau0_zero():
     random = np.random.default_rng(2)
     film = interface("MoS2 on bearing steel, dry air")
     tau0 = 1e-9 * random.normal(2.0, 1.0, 8000)  # GPa, too small to affect the coefficient

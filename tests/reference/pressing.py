@@ -27,14 +27,14 @@ def find_contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, si
     """Return the contacts at an approach as rows: index, n_x, n_z, overlap, effective radius, force, area."""
     gap = upper - lower
     gap = gap - gap.min()
-    flat_upper, flat_lower = np.ptp(upper) == 0, np.ptp(lower) == 0
+    is_upper_flat, is_lower_flat = np.ptp(upper) == 0, np.ptp(lower) == 0
     _, _, n_u, r_u = fit_spheres(upper, spacing, upper=True)
     _, _, n_l, r_l = fit_spheres(lower, spacing, upper=False)
     rows = []
     for i in np.flatnonzero(gap <= approach):
         height_above_lower = gap[i] - approach  # height of the upper point above the lower point
-        if flat_upper or flat_lower:
-            if flat_upper:
+        if is_upper_flat or is_lower_flat:
+            if is_upper_flat:
                 sphere_radius, centre = r_l[i], -r_l[i] * n_l[i]
                 if not np.isfinite(sphere_radius) or sphere_radius <= 0:
                     continue

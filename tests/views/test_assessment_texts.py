@@ -73,11 +73,14 @@ def test_summary_of_generated_surfaces_has_only_the_coefficient_for_opposing_con
     assert "elastic" not in inputs_text(points[0])
 
 
-def test_summary_has_a_point_for_every_combination_of_load_mu0_and_tau0_and_for_every_cutoff():
+def test_summary_has_a_point_for_every_combination_of_load_mu0_and_tau0():
     points = summarize(measured_result(loads=(1.0, 10.0), mu0=(0.2, 0.3), tau0=(0.0, 0.05)), measured_study()).points
     assert [(point.at["load"], point.at["mu0"], point.at["tau0"]) for point in points] == [
         (load, mu0, tau0) for load in (1.0, 10.0) for mu0 in (0.2, 0.3) for tau0 in (0.0, 0.05)
     ]
+
+
+def test_summary_has_a_point_for_every_cutoff():
     points = summarize(measured_result(cut_offs=(0.0, 0.5)), measured_study()).points
     assert ["low-pass filtered at 500 nm" in quotable_sentence(point) for point in points] == [False, True]
 

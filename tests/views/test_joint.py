@@ -318,7 +318,7 @@ def test_exported_tables_at_given_loads_contain_the_values_of_the_result(result,
     assert len(re.findall(r"^(?:20|80), ", (directory / "card_at.inp").read_text(), re.MULTILINE)) == 2
 
 
-def test_export_command_computes_given_loads_even_outside_the_computed_range(result, directory):
+def test_export_command_computes_results_at_given_loads_outside_the_range_of_the_study(result, directory):
     check_stiction("export", "pair", "given.csv", "--joint", "--load", "20 MPa,900 MPa", "--compute", cwd=directory)
     table = pandas.read_csv(directory / "given.csv")
     assert table["nominal pressure (MPa)"].tolist() == pytest.approx([20, 900])

@@ -62,7 +62,7 @@ def test_latex_table_contains_the_area_fraction_with_its_interval_or_its_status(
     assert parse_table_cells(latex_table(summarize(dataset, measured_study())))[1][-2] == "complete"
 
 
-def test_latex_table_prints_none_as_the_cutoff_of_unfiltered_scans():
+def test_latex_table_prints_the_word_none_as_the_cutoff_of_unfiltered_scans():
     assert "% cutoff (um) = none" in latex_table(SUMMARIES_BY_NAME["pair"])
     cutoff_cells = [row[0] for row in parse_table_cells(latex_table(SUMMARIES_BY_NAME["readings"]))]
     assert cutoff_cells == ["cutoff (um)", "none", "0.5"]

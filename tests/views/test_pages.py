@@ -531,7 +531,7 @@ def test_printed_report_contains_complete_figures_and_parameters(driver, pages):
         browser.open_page(driver, path, width=1280)
         driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
         metrics = {"width": paper_width, "height": 1000, "deviceScaleFactor": 1, "mobile": False}
-        widths = driver.execute_script(
+        plot_widths = driver.execute_script(
             "return [...document.querySelectorAll('.plot svg')].map((each) => each.clientWidth)"
         )
         # Figures are not drawn again for printing: they are scaled, and no part may be cropped.
@@ -543,7 +543,7 @@ def test_printed_report_contains_complete_figures_and_parameters(driver, pages):
             " return right > innerWidth + 1 || Math.abs(height / width - h / w) > 0.02 ||"
             "  each.parentNode.getBoundingClientRect().height < height - 1; }).map((each) => each.parentNode.id)"
         )
-        assert widths
+        assert plot_widths
         assert cropped_plots == []
         assert driver.execute_script("return document.documentElement.scrollWidth") <= paper_width
         assert find_element(driver, "parameters").is_displayed()

@@ -66,7 +66,7 @@ MEDIAN_RELATIVE_DEVIATION_BETWEEN_RUNS = 0.10
 
 # Maximum number of nuisance points that are evaluated together if contacts grow under shear, to limit the memory.
 MAX_GROWTH_BATCH_POINTS = 256
-GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME = "gain", "spread between runs"
+GAIN_PARAMETER_NAME, RUN_SPREAD_PARAMETER_NAME = "gain", "spread between runs"
 
 
 @dataclass(frozen=True)
@@ -167,8 +167,8 @@ class CalibrationProblem:
         ]
         self._run_membership = _build_run_membership_matrix(tests)
         self.nuisances: list[str] = [
-            *([GAIN_NUISANCE_NAME] if common > 0 else []), *area_errors, *dict.fromkeys(input_names),
-            *([RUN_SPREAD_NUISANCE_NAME] if len(self._run_membership) else []),
+            *([GAIN_PARAMETER_NAME] if common > 0 else []), *area_errors, *dict.fromkeys(input_names),
+            *([RUN_SPREAD_PARAMETER_NAME] if len(self._run_membership) else []),
         ]  # fmt: skip
         """Names of the nuisance parameters. Each parameter is expressed as a standard normal score."""
         central_coefficients = self._compute_equation_coefficients(np.zeros((1, len(self.nuisances))))
@@ -224,8 +224,8 @@ class CalibrationProblem:
         sums = {name: np.array([equation.sums[name] for equation in self._friction]) for name in LOAD_SUM_NAMES}
 
         gain = (
-            np.exp(self.common * scores_by_name[GAIN_NUISANCE_NAME])[:, np.newaxis]
-            if GAIN_NUISANCE_NAME in scores_by_name
+            np.exp(self.common * scores_by_name[GAIN_PARAMETER_NAME])[:, np.newaxis]
+            if GAIN_PARAMETER_NAME in scores_by_name
             else np.ones((len(scores), 1))
         )
         # A measured coefficient is the gain times the true coefficient. Errors refer to the measured coefficient.
@@ -284,9 +284,9 @@ class CalibrationProblem:
         """Return the relative standard deviation of friction between runs for each sample of nuisance parameters."""
         from scipy.special import ndtr
 
-        if RUN_SPREAD_NUISANCE_NAME not in self.nuisances:
+        if RUN_SPREAD_PARAMETER_NAME not in self.nuisances:
             return np.zeros(len(scores))
-        probability = np.minimum(ndtr(scores[:, self.nuisances.index(RUN_SPREAD_NUISANCE_NAME)]), 1 - 1e-9)
+        probability = np.minimum(ndtr(scores[:, self.nuisances.index(RUN_SPREAD_PARAMETER_NAME)]), 1 - 1e-9)
         return np.asarray(MEDIAN_RELATIVE_DEVIATION_BETWEEN_RUNS * np.tan(0.5 * math.pi * probability))
 
     def _build_weighted_equations(
@@ -347,7 +347,7 @@ class CalibrationProblem:
         from scipy.optimize import least_squares
 
         free_indices = [index for index, value in enumerate(self.fixed_strengths) if value is None]
-        score_indices = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE_NAME]
+        score_indices = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_PARAMETER_NAME]
         robust_factors, error_scale = np.ones(len(self.slid)), 1.0
 
         def insert_run_spread_score(free_scores: Floats) -> Floats:
@@ -473,7 +473,7 @@ class CalibrationProblem:
         trend_probability = (
             float(linregress(loads, best_fit.residuals).pvalue) if num_slid > 2 and np.ptp(loads) > 0 else math.nan
         )
-        unstored_names = {GAIN_NUISANCE_NAME, RUN_SPREAD_NUISANCE_NAME}
+        unstored_names = {GAIN_PARAMETER_NAME, RUN_SPREAD_PARAMETER_NAME}
         # Scores of area errors are stored only if all tests used the same surfaces.
         # If one pair of surfaces determines mu0 and tau0 alone, the area errors of other pairs remain unknown.
         if len({equation.surfaces for equation in self._friction}) > 1:
@@ -795,7 +795,7 @@ class CalibrationProblem:
 
     def _build_first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
         """Return mean and covariance of the initial proposal distribution from which nuisance parameters are drawn."""
-        score_indices = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_NUISANCE_NAME]
+        score_indices = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_PARAMETER_NAME]
         num_parameters = len(self.nuisances) + (freedom is not None)
         mean, covariance = np.zeros(num_parameters), np.eye(num_parameters)
         mean[: len(self.nuisances)] = self.best_fit.scores

@@ -283,7 +283,7 @@ class OnsetCurvePoint:
 
 
 @dataclass(frozen=True)
-class OnsetValues:
+class OnsetSummary:
     """Onset of sliding at one normal load, mu0 and tau0: means over members with 95 % intervals.
 
     If the onset was scaled to the coefficient of static friction, tangential loads have the combined interval of this
@@ -309,7 +309,7 @@ class OnsetValues:
     models: dict[str, dict[str, float]]
 
 
-def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
+def read_onset_summary(onset: xarray.Dataset) -> OnsetSummary:
     """Read the means and intervals of the onset from a dataset that `compute_onset` or `scale_onset` returned."""
     attributes = onset.attrs
 
@@ -326,7 +326,7 @@ def find_onset_values(onset: xarray.Dataset) -> OnsetValues:
         model: {name: float(attributes[f"{model}_{name}"]) for name in names if f"{model}_{name}" in attributes}
         for model, names in PRESLIDING_PARAMETERS.items()
     }
-    return OnsetValues(
+    return OnsetSummary(
         load=float(attributes["load_mN"]),
         mu0=float(attributes["mu0"]),
         tau0=float(attributes["tau0_GPa"]),

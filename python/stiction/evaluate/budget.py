@@ -402,7 +402,7 @@ class _QuantitiesWithCombinedIntervals:
             positions[name] = tuple(indices[dim] for dim in dims[:-1])
             estimates[name] = values[positions[name]]
         if estimates:
-            for name, estimate in intervals.extend_quantity_intervals(estimates).items():
+            for name, estimate in intervals.widen_quantity_intervals(estimates).items():
                 self.tables[name][1][positions[name]] = estimate
 
 

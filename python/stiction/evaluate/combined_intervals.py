@@ -445,7 +445,7 @@ class CombinedIntervals:
 
     # ---- Other quantities --------------------------------------------------------------------------------------------
 
-    def extend_quantity_intervals(self, estimates: Mapping[str, Floats]) -> dict[str, Floats]:
+    def widen_quantity_intervals(self, estimates: Mapping[str, Floats]) -> dict[str, Floats]:
         """Replace the intervals of the mean of contact quantities by combined intervals, which cover uncertain inputs.
 
         `estimates` contains the mean and the interval of the mean of each quantity, by name. An interval that cannot be

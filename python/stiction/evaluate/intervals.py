@@ -25,7 +25,7 @@ NUM_LOAD_STEPS_PER_SIDE_OF_SLOPE_FIT = 4
 MAX_INTERPOLATED_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads that allows interpolation between them."""
 # Maximum number of values in a batch. Larger batches are not evaluated faster.
-NUM_BATCH_VALUES = 2**17
+MAX_VALUES_PER_BATCH = 2**17
 # Minimum number of repetitions for an interval.
 MIN_SAMPLE_SIZE = 3
 # Minimum number of neighbouring positions for an interval of the mean.
@@ -466,7 +466,7 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
     mean = rows.mean(axis=1) if count else np.full(rows.shape[0], np.nan)
     lower, upper = np.full((2, mean.size), np.nan)
     if count >= MIN_NEIGHBOURING_VALUES:
-        batch_size = max(1, NUM_BATCH_VALUES // (4 * count))
+        batch_size = max(1, MAX_VALUES_PER_BATCH // (4 * count))
         for batch_start in range(0, mean.size, batch_size):
             batch = slice(batch_start, batch_start + batch_size)
             lower[batch], upper[batch] = _compute_interval_of_correlated_mean(rows[batch], mean[batch])

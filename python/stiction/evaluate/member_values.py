@@ -400,7 +400,7 @@ def _interpolate_quantities(
             )
             variables[name] = (*value_dims, "load"), interpolated, stored_values.attrs
     if step_dimension == "load" and "pull_off" not in piece:
-        _interpolate_by_stiffness(piece, member_dims, load_crossings, variables)
+        _interpolate_displacements_and_stiffnesses(piece, member_dims, load_crossings, variables)
     return variables
 
 
@@ -438,7 +438,7 @@ _STIFFNESSES_BY_DISPLACEMENT = {
 """Names of displacements, each with its derivatives: the stiffness during loading and during unloading."""
 
 
-def _interpolate_by_stiffness(
+def _interpolate_displacements_and_stiffnesses(
     piece: xarray.Dataset, member_dims: tuple[str, ...], load_crossings: LoadCrossings, variables: dict[str, Any]
 ) -> None:
     """Interpolate displacements and stiffnesses consistently, so that stiffnesses are derivatives of displacements.

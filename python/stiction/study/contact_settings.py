@@ -68,10 +68,10 @@ from stiction.study.values import (
 DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # degrees
 MAX_DIRECTIONS = 360
 # Factor by which the load curve of profiles extends beyond the requested loads in the asperity model.
-ASPERITY_LOAD_MARGIN_FACTOR = 30.0
+ASPERITY_LOAD_EXTENSION_FACTOR = 30.0
 NUM_ASPERITY_LOADS = 25
 # Factor by which the load curve of profiles extends beyond the requested loads in the half-plane model.
-HALF_PLANE_LOAD_MARGIN_FACTOR = 10.0
+HALF_PLANE_LOAD_EXTENSION_FACTOR = 10.0
 NUM_HALF_PLANE_LOADS = 7
 # Maximum ratio of successive loads at which height maps are pressed.
 MAX_AREAL_LOAD_RATIO = 10**0.5
@@ -724,9 +724,9 @@ def choose_load_steps(
     if not given_loads.size or not (given_loads > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
     if press == "lines" and mechanics == "asperities":
-        load_steps = _extend_loads(given_loads, ASPERITY_LOAD_MARGIN_FACTOR, NUM_ASPERITY_LOADS)
+        load_steps = _extend_loads(given_loads, ASPERITY_LOAD_EXTENSION_FACTOR, NUM_ASPERITY_LOADS)
     elif press == "lines":
-        load_steps = _extend_loads(given_loads, HALF_PLANE_LOAD_MARGIN_FACTOR, NUM_HALF_PLANE_LOADS)
+        load_steps = _extend_loads(given_loads, HALF_PLANE_LOAD_EXTENSION_FACTOR, NUM_HALF_PLANE_LOADS)
     else:
         smaller_loads = given_loads.min() / MAX_AREAL_LOAD_RATIO ** np.arange(1, num_smaller + 1)
         load_steps = np.unique(

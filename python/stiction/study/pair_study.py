@@ -23,7 +23,7 @@ from stiction._arguments import (
 from stiction._checks import Floats
 from stiction._errors import ArgumentError
 from stiction._text import MAX_WORD_LENGTH
-from stiction._units import Quantity, core_quantity, exact_quantity_text, short_repr
+from stiction._units import Quantity, exact_quantity_text, quantity_in_core_units, short_repr
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE
 from stiction.mechanics.half_space_problem import min_resolved_adhesion_range
 from stiction.mechanics.law import JacksonGreen
@@ -442,7 +442,7 @@ class MeasuredPair:
             forces = {
                 force or float(f"{ZERO_LOAD_REPLACEMENT * self._max_cell_adhesion_force:.3g}") for force in forces
             }
-        return [core_quantity(force, "force") for force in sorted(forces)]
+        return [quantity_in_core_units(force, "force") for force in sorted(forces)]
 
     @property
     def _has_zero_load(self) -> bool:
@@ -604,7 +604,7 @@ class MeasuredPair:
         for file, file_limits in zip(self.files, limits_by_file, strict=True):
             first_file, *other_files = (
                 scan.model_copy(
-                    update={"max_cut_off": core_quantity(0.0 if limit is None else limit.cut_off, "length")}
+                    update={"max_cut_off": quantity_in_core_units(0.0 if limit is None else limit.cut_off, "length")}
                 )
                 for scan, limit in zip(file.scans, file_limits, strict=True)
             )

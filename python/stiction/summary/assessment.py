@@ -580,7 +580,7 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> It
     law = Inputs.from_study(study).friction_law(read_number(point, "mu0"), read_number(point, "tau0"))
     if growth is not None:
         if status != friction.STATUS_BULK_SHEAR:
-            yield from _find_unlimited_caveats(point, get_contact_hardness(point, study), law, growth)
+            yield from _find_caveats_about_unlimited_friction(point, get_contact_hardness(point, study), law, growth)
         return
     effect = law.growth_effect(float(hardness))
     if study.contact.junction_growth is not None or abs(effect) <= NEGLIGIBLE_GROWTH_EFFECT:
@@ -661,7 +661,7 @@ def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingR
     yield Caveat(text, f"use {option_text}--area-loss {ELASTOMER_AREA_LOSS}", "caution")
 
 
-def _find_unlimited_caveats(
+def _find_caveats_about_unlimited_friction(
     point: xarray.Dataset, hardness: float, law: friction.FrictionLaw, growth: UncertainInput
 ) -> Iterator[Caveat]:
     """Yield a caveat if friction has no upper limit for some input samples, or if τ0 is close to the bulk strength."""

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._estimate import Estimate, Interval
-from stiction.companions.onset import find_onset_values
+from stiction.companions.onset import read_onset_summary
 from stiction.companions.resolution import find_resolution_effect, find_resolution_limits
 from stiction.evaluate.point import (
     CELL_DIMENSIONS,
@@ -60,7 +60,7 @@ from stiction.summary.assessment import (
 if TYPE_CHECKING:
     import xarray
 
-    from stiction.companions.onset import OnsetValues
+    from stiction.companions.onset import OnsetSummary
     from stiction.companions.resolution import ResolutionEffect, ResolutionLimits
     from stiction.study.measured_bodies import ScanCutoffs
     from stiction.study.study import Study
@@ -376,9 +376,9 @@ class Summary:
         return None if points is None else sort_sliding_rules(points, self.study)
 
     @cached_property
-    def onset_values(self) -> OnsetValues | None:
+    def onset_values(self) -> OnsetSummary | None:
         """Loads, displacements and stiffnesses of the onset of sliding, or None if no onset has been computed."""
-        return None if self.onset is None else find_onset_values(self.onset)
+        return None if self.onset is None else read_onset_summary(self.onset)
 
     @property
     def reported_points(self) -> list[PointSummary]:

@@ -92,17 +92,17 @@ def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
         position = _refine_position(upper, lower, _to_full_grid(position, upper, lower, factor))
     offset = _find_grid_offset(upper, lower, position)
     if offset is None:
-        upper_part, lower_part = _interpolate_overlap(upper, lower, position)
+        upper_overlap, lower_overlap = _interpolate_overlap(upper, lower, position)
     else:
-        upper_part, lower_part = _cut_overlap(upper, lower, offset)
+        upper_overlap, lower_overlap = _cut_overlap(upper, lower, offset)
         position = _FacePosition(_convert_corner_offset_to_centre_shift(offset, upper, lower), 0.0)
-    gap = _compute_gap(upper_part, lower_part)
-    upper_part = upper_part.changed(lower_part.heights + gap.heights, "registered")
+    gap = _compute_gap(upper_overlap, lower_overlap)
+    upper_overlap = upper_overlap.changed(lower_overlap.heights + gap.heights, "registered")
     registration = Registration(
-        position.shift, math.degrees(position.rotation), rms_gap_before, _measure_rms_gap(upper_part, lower_part),
-        correlate_facing_slopes(upper_part, lower_part), _estimate_noise(gap),
+        position.shift, math.degrees(position.rotation), rms_gap_before, _measure_rms_gap(upper_overlap, lower_overlap),
+        correlate_facing_slopes(upper_overlap, lower_overlap), _estimate_noise(gap),
     )  # fmt: skip
-    return upper_part, lower_part, registration
+    return upper_overlap, lower_overlap, registration
 
 
 def measure_fit(upper: Any, lower: Any) -> float:
@@ -248,15 +248,15 @@ def _find_coarse_position(upper: Any, lower: Any) -> _FacePosition:
     """Find the best fit of two coarse bodies among shifts by whole points and rotations in steps of `ROTATION_STEP`."""
     if isinstance(upper, Profile):
         return _FacePosition(_convert_corner_offset_to_centre_shift(find_best_fit(upper, lower)[1], upper, lower), 0.0)
-    fits = []
+    correlated_positions = []
     for angle in np.arange(-MAX_ROTATION, MAX_ROTATION + ROTATION_STEP / 2, ROTATION_STEP).tolist():
         rotated_upper = rotated(upper, angle) if angle else upper
         correlation, offset = find_best_fit(rotated_upper, lower)
         position = _FacePosition(
             _convert_corner_offset_to_centre_shift(offset, rotated_upper, lower), math.radians(angle)
         )
-        fits.append((correlation, position))
-    return max(fits, key=lambda fit: fit[0])[1]
+        correlated_positions.append((correlation, position))
+    return max(correlated_positions, key=lambda item: item[0])[1]
 
 
 def _convert_corner_offset_to_centre_shift(offset: tuple[int, ...], upper: Any, lower: Any) -> tuple[float, ...]:
@@ -343,9 +343,9 @@ def _interpolate_overlap(upper: Any, lower: Any, position: _FacePosition) -> tup
         [axis_distances[points] for axis_distances, points in zip(distances, index, strict=True)],
         position.rotation,
     )
-    lower_part = lower.changed(lower.heights[index], "overlap", missing=select_from_mask(lower.missing, index))
+    lower_overlap = lower.changed(lower.heights[index], "overlap", missing=select_from_mask(lower.missing, index))
     missing = missing if missing is not None and missing.any() else None
-    return upper.changed(heights, "overlap", missing=missing), lower_part
+    return upper.changed(heights, "overlap", missing=missing), lower_overlap
 
 
 def _refine_position(upper: Any, lower: Any, position: _FacePosition) -> _FacePosition:
@@ -379,24 +379,24 @@ def _refine_position(upper: Any, lower: Any, position: _FacePosition) -> _FacePo
 
 def _compute_gauss_newton_step(upper: Any, lower: Any, position: _FacePosition) -> tuple[float, Floats]:
     """Return the rms gap (µm) at a position, and the Gauss-Newton step in shift and rotation."""
-    upper_part, lower_part = _interpolate_overlap(upper, lower, position)
-    missing = combine_missing_masks(upper_part, lower_part)
-    measured = np.ones(lower_part.heights.shape, bool) if missing is None else ~missing
+    upper_overlap, lower_overlap = _interpolate_overlap(upper, lower, position)
+    missing = combine_missing_masks(upper_overlap, lower_overlap)
+    measured = np.ones(lower_overlap.heights.shape, bool) if missing is None else ~missing
     slopes = [
-        np.gradient(lower_part.heights, spacing, axis=axis)[measured] for axis, spacing in enumerate(lower.spacings)
+        np.gradient(lower_overlap.heights, spacing, axis=axis)[measured] for axis, spacing in enumerate(lower.spacings)
     ]
-    distances = np.meshgrid(*_measure_distances(lower_part), indexing="ij")
+    distances = np.meshgrid(*_measure_distances(lower_overlap), indexing="ij")
     plane_terms = [np.ones(slopes[0].shape), *(along[measured] for along in distances)]
     gap_derivatives = [-slope for slope in slopes]
     if isinstance(upper, Surface):
         gap_derivatives.append(slopes[1] * plane_terms[1] - slopes[0] * plane_terms[2])
-    gap = (upper_part.heights - lower_part.heights)[measured]
+    gap = (upper_overlap.heights - lower_overlap.heights)[measured]
     fit_columns = [*gap_derivatives, *plane_terms]
     norms = [float(np.linalg.norm(column)) or 1.0 for column in fit_columns]
     normal_matrix = np.array([[np.vdot(a, b) for b in fit_columns] for a in fit_columns]) / np.outer(norms, norms)
     right_side = np.array([np.vdot(column, gap) for column in fit_columns]) / norms
     step = -np.linalg.lstsq(normal_matrix, right_side, rcond=None)[0] / norms
-    return _measure_rms_gap(upper_part, lower_part), step[: len(gap_derivatives)]
+    return _measure_rms_gap(upper_overlap, lower_overlap), step[: len(gap_derivatives)]
 
 
 def _has_min_overlap(upper: Any, lower: Any, position: _FacePosition) -> bool:

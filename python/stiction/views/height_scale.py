@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from stiction.companions.height_scale import ScaledBodies
     from stiction.study.study import Study
 
-SCALED_SURFACE_TEXTS: dict[ScaledBodies, str] = {
+NAMES_OF_SCALED_SURFACES: dict[ScaledBodies, str] = {
     "both": "both surfaces",
     "upper": "the upper surface",
     "lower": "the lower surface",
@@ -44,7 +44,7 @@ HEIGHT_SCALE_NOTE = (
 
 def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
     """Return friction for scaled heights as text: tables with one row per height factor."""
-    scaled_surfaces = SCALED_SURFACE_TEXTS[dataset.attrs["scaled"]]
+    scaled_surfaces = NAMES_OF_SCALED_SURFACES[dataset.attrs["scaled"]]
     lines = [
         wrap_text(
             f"Heights of {scaled_surfaces} are multiplied by a factor; 1 is the measured pair. The gradient is the rms "

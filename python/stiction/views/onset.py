@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from stiction._number_format import format_with_unit
-from stiction.companions.onset import OnsetValues
+from stiction.companions.onset import OnsetSummary
 from stiction.evaluate.point import list_rules_with_reported_first
 from stiction.mechanics.law import HertzSphere, parse_contact_law
 from stiction.views.layout import Paragraph, Table
@@ -21,7 +21,7 @@ QUOTED_LOAD_FRACTION = 0.5
 CYCLE_AMPLITUDES = (0.5, 0.9)
 
 
-def onset_text(onset: OnsetValues) -> str:
+def onset_text(onset: OnsetSummary) -> str:
     """Return a sentence on the onset of sliding: pre-sliding displacement, slipping fraction and initial stiffness."""
     phrases = []
     displacement = onset.displacement_at_sliding.in_prefixed_unit()
@@ -36,7 +36,7 @@ def onset_text(onset: OnsetValues) -> str:
     return text[0].upper() + text[1:] + "."
 
 
-def onset_rows(onset: OnsetValues) -> list[list[str]]:
+def onset_rows(onset: OnsetSummary) -> list[list[str]]:
     """Return means and intervals of the onset of sliding as rows of a table.
 
     The first row contains the headings.
@@ -68,7 +68,7 @@ def onset_rows(onset: OnsetValues) -> list[list[str]]:
 PICOJOULE = 1e-3  # mN µm
 
 
-def onset_note(onset: OnsetValues, study: Study) -> str:
+def onset_note(onset: OnsetSummary, study: Study) -> str:
     """Return a note on the onset of sliding: number of averaged members, and assumptions."""
     count_text = study.member_names.with_count(onset.num_members)
     text = f"The onset of sliding is a mean over {count_text}, with friction at all contacts."
@@ -90,7 +90,7 @@ def _law_text(study: Study) -> str:
     )
 
 
-def onset_paragraph(onset: OnsetValues, study: Study, *, verbose: bool) -> Paragraph:
+def onset_paragraph(onset: OnsetSummary, study: Study, *, verbose: bool) -> Paragraph:
     """Return the sentence on the onset of sliding and, if `verbose`, the note and the table."""
     if not verbose:
         is_reported_rule = list_rules_with_reported_first(study)[0] == "all"
@@ -99,7 +99,7 @@ def onset_paragraph(onset: OnsetValues, study: Study, *, verbose: bool) -> Parag
     return [f"{onset_text(onset)} {onset_note(onset, study)}", Table(onset_rows(onset))]
 
 
-def onset_record(onset: OnsetValues) -> dict[str, Any]:
+def onset_record(onset: OnsetSummary) -> dict[str, Any]:
     """Return the load-displacement curve (mN, µm) and the models fitted to it as JSON."""
     curve_names = ("tangential_load", "displacement", "slipped_area", "slipped_load", "energy_lost")
     characteristic_names = ("sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")

@@ -65,7 +65,7 @@ def quotable_sentence(point: PointSummary) -> str:
     if point.is_unloaded and point.pull_off is not None:
         sentence_parts = [
             f"{pull_off_text(point.pull_off).removesuffix('.')}, at {inputs_text(point)}",
-            point_note_text(point),
+            result_point_note(point),
         ]
         return "; ".join([*sentence_parts, f"assumed: {', '.join(assumptions)}"]) + "."
     if point.assessment == "Do not quote":
@@ -74,7 +74,7 @@ def quotable_sentence(point: PointSummary) -> str:
     # An interface was calibrated for one sliding rule, so the coefficient under the other rule is left out.
     rules = point.rules[:1] if point.has_values_of_interface else point.rules
     coefficients_text = ", ".join(f"{rule} with {SLIDING_RULE_DESCRIPTIONS[rule.rule]}" for rule in rules)
-    sentence_parts = [f"μ_s = {coefficients_text}, at {inputs_text(point)}", point_note_text(point)]
+    sentence_parts = [f"μ_s = {coefficients_text}, at {inputs_text(point)}", result_point_note(point)]
     sentence_parts += [f"assumed: {', '.join(assumptions)}"] if assumptions else []
     sentence_parts += filter(
         None,
@@ -258,7 +258,7 @@ _LOAD_DEFINITION_TEXTS = {
 }
 
 
-def point_note_text(point: PointSummary) -> str:
+def result_point_note(point: PointSummary) -> str:
     """Return a note on the directions and members that are averaged, and on the definition of the load."""
     study, items = point.study, []
     if study.surfaces.press == "lines" and len(point.directions) == 2:
@@ -290,7 +290,7 @@ def shared_conditions_text(points: Sequence[PointSummary]) -> str:
     common_inputs_note = f"with {', '.join(common_inputs)}; " if common_inputs else ""
     assumptions = list_assumptions(points[0].study)
     assumptions_note = f"; assuming {', '.join(assumptions)}" if assumptions else ""
-    return f"{common_inputs_note}{point_note_text(points[0])}{assumptions_note}"
+    return f"{common_inputs_note}{result_point_note(points[0])}{assumptions_note}"
 
 
 def _averaged_members_text(point: PointSummary) -> str:
@@ -395,7 +395,7 @@ def point_detail_sentences(point: PointSummary) -> list[str]:
         sentences.append(f"{finer_scans[0].upper()}{finer_scans[1:]}.")
     assumptions = list_assumptions(point.study)
     assumptions_note = f" Assumes {', '.join(assumptions)}." if assumptions else ""
-    return [*filter(None, sentences), f"At {inputs_text(point)}; {point_note_text(point)}.{assumptions_note}"]
+    return [*filter(None, sentences), f"At {inputs_text(point)}; {result_point_note(point)}.{assumptions_note}"]
 
 
 def _are_finer_scans_relevant(point: PointSummary) -> bool:

@@ -91,7 +91,7 @@ _NEXT_DECLARATION_PATTERN = LazyPattern(
 )
 """Regular expression for the text between two spacings in one line, as in "dx = 0.5 um, dy = 10 um"."""
 
-_STICTION_SPACING_PATTERNS = tuple(
+_SURFACE_WRITER_SPACING_PATTERNS = tuple(
     LazyPattern(rf"# spacing along {axis}: ([0-9]{{1,20}}(?:\.[0-9]{{1,20}})?(?:e[+-]?[0-9]{{1,2}})?) (um)")
     for axis in "yx"
 )
@@ -152,16 +152,16 @@ def parse_spacing_declarations(lines: Sequence[str]) -> SpacingDeclarations:
     if axis_spacings[0] and pixel_sizes and not _are_equal(axis_spacings[0], pixel_sizes[0]):
         unclear_spacing = UnclearSpacing(axis_spacings[0].line.strip())
         spacing = pixel_sizes = None
-    stiction_spacings = [
+    surface_writer_spacings = [
         find_first_match(pattern, lines, lambda match: parse_length(*match.groups(), line=match.string))
-        for pattern in _STICTION_SPACING_PATTERNS
+        for pattern in _SURFACE_WRITER_SPACING_PATTERNS
     ]
     bare_spacings = [find_first_match(_AXIS_SPACING_PATTERNS[axis], lines, _parse_unitless_number) for axis in "yx"]
     sizes = [find_first_match(pattern, lines, parse_bracketed_length) for pattern in _SIZE_PATTERNS]
     unitless_values = tuple(value for value in bare_spacings if value is not None)
     return SpacingDeclarations(
         spacing=spacing,
-        spacings=_pair_if_complete(stiction_spacings)
+        spacings=_pair_if_complete(surface_writer_spacings)
         or _pair_if_complete(axis_spacings)
         or pixel_sizes
         or _pair_if_complete((axis_spacings[0], spacing)),

@@ -24,7 +24,7 @@ from stiction.views.figures.height_scale import height_scale_figure
 from stiction.views.figures.loads import adhesion_figure, cut_off_figure
 from stiction.views.figures.onset import contains_slip_map, onset_by_dimension_figure, onset_figure, slip_figure
 from stiction.views.figures.standard import format_print_title
-from stiction.views.height_scale import HEIGHT_SCALE_NOTE, SCALED_SURFACE_TEXTS
+from stiction.views.height_scale import HEIGHT_SCALE_NOTE, NAMES_OF_SCALED_SURFACES
 from stiction.views.point import motion_direction_text
 from stiction.views.report.page import format_count
 from stiction.views.style import MATPLOTLIB_STYLE, place_axes
@@ -199,7 +199,7 @@ def _onset_panels(onset: xarray.Dataset, study: Study, title: str) -> list[Figur
 
 def _height_factors_panel(points: xarray.Dataset, scaled_bodies: ScaledBodies, title: str) -> FigurePanel:
     """Return the panel with friction for scaled heights, for the first load, mu0 and tau0 of the study."""
-    surfaces_text, factors = SCALED_SURFACE_TEXTS[scaled_bodies], points["height_scale"].values
+    surfaces_text, factors = NAMES_OF_SCALED_SURFACES[scaled_bodies], points["height_scale"].values
     return FigurePanel(
         f"Another finish of {surfaces_text}",
         "Friction coefficient and true contact area over the rms gradient of the gap.",
