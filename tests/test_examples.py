@@ -472,7 +472,7 @@ def test_page_about_the_model_shows_the_computed_numbers_of_its_two_contacts():
         f"| −{force_x:.3f} + {friction_x:.3f} = {descended[1]:.3f} |",
         f"| {all_contacts[0]:.3f} | {all_contacts[1]:.3f} | **{mean_friction:.3f}** |",
         f"| {climbed[0]:.3f} + {force_z:.3f} = {opposing[0]:.3f} | {opposing[1]:.3f} | **{small_slope:.3f}** |",
-        f"carries its {force_z:.3f} mN",
+        f"carries only its elastic {force_z:.3f} mN",
         f"m = {mean_friction:.3f} and 2S = tan 5° also give {small_slope:.3f}",
     ):
         assert text in section
