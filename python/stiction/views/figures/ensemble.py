@@ -291,7 +291,7 @@ def _hatch_cells(axes: Axes, x: Floats, y: Floats, is_hatched: NDArray[np.bool_]
         vertices += [(left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)]
     if vertices:
         codes = np.tile([Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY], len(vertices) // 5)
-        # Of a black and a white line, one is visible on any colour.
+        # A black and a white line together are visible on any colour.
         for colour, width in (("black", 0.7), ("white", 0.3)):
             patch = PathPatch(Path(vertices, codes), **_INVALID_CELL_STYLE | {"edgecolor": colour})
             patch.set_hatch_linewidth(width)
