@@ -22,7 +22,7 @@ MIN_PARABOLA_DOMINANCE = 5.0
 this factor.
 
 For a rough map without form, the ratio is about 2 if the longest wavelengths dominate, and rarely above 5. If the
-parabola is the form of the part, roughness contributes little to the higher terms, and the ratio is larger.
+parabola is the form of the body, roughness contributes little to the higher terms, and the ratio is larger.
 """
 
 MIN_STEP_SHARPNESS = 0.8
@@ -35,7 +35,7 @@ Smooth forms have a smaller fraction.
 _STEP_ANGLE_COUNT = 72
 # Each side of a height step must have at least this fraction of the points of a scan.
 _STEP_MARGIN = 0.02
-# Heights on both sides of a height step are compared within this range of distances (blocks) from the step.
+# Smallest and largest distance (blocks) from a height step at which heights on both sides are compared.
 _STEP_BAND_BLOCKS = (0.75, 3.75)
 
 
@@ -90,7 +90,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
     for angle in np.linspace(0, np.pi, _STEP_ANGLE_COUNT, endpoint=False) if is_map else [0.0]:
         distance_across = np.cos(angle) * coordinates[0] + np.sin(angle) * coordinates[-1]
         block_order = np.argsort(distance_across, kind="stable")
-        # For each possible edge of a height step, the heights are projected onto a step function without mean and tilt.
+        # For each possible edge, the heights are projected onto a step at this edge, without its mean and tilt.
         projections, *trend_sums = np.cumsum(np.take(rows, block_order, axis=1), axis=1)[:, candidate_edges]
         square_norms = num_blocks_below[candidate_edges] - np.square(trend_sums).sum(axis=0)
         explained_square_sums = np.square(projections) / square_norms
@@ -113,7 +113,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
         return None
     if (heights_above.mean() - heights_below.mean()) / best_height < MIN_STEP_SHARPNESS:
         return None
-    # Blocks on the edge of the step are excluded, because their mean heights mix both sides.
+    # Blocks that the height step divides are excluded, because their mean heights mix both sides.
     is_undivided = np.abs(distances) > nearest_distance
     design_matrix = np.stack([np.ones_like(heights), *coordinates, distances > 0], axis=1)[is_undivided]
     *_, height = np.linalg.lstsq(design_matrix, heights[is_undivided], rcond=None)[0]

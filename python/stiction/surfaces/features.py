@@ -85,7 +85,7 @@ def _find_peak_of_each_point(rank: NDArray[np.int64], height_order: _IndexArray)
 def _find_saddles(
     hill: _IndexArray, rank: NDArray[np.int64], hill_count: int
 ) -> tuple[_IndexArray, _IndexArray, _IndexArray]:
-    """Return two hills and the height rank of each saddle, highest first, in the maximum spanning tree of the hills."""
+    """Return the saddles that connect all hills as arrays of first hill, second hill and height rank, highest first."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import minimum_spanning_tree
 

@@ -22,14 +22,14 @@ MIN_CUTOFF_POINTS = 0.5
 # Minimum cutoff (points) for which the filter fits straight lines near the ends of a profile.
 _MIN_REGRESSION_CUTOFF_POINTS = 4.0
 # Half width of the weight function, in cutoff wavelengths.
-# Beyond this distance, all weights are below 1e-15 of the largest weight.
+# Beyond the half width, all weights are below 1e-15 of the largest weight.
 _WEIGHT_HALF_WIDTH = 1.6
 # Minimum number of filter weights on each side of a point.
 # With a cutoff of two or three points, the weights decay slowly: to 1e-5 at a distance of 64 points.
 _MIN_HALF_WIDTH_POINTS = 64
-# The filter estimates a mean line only where measured points have at least this fraction of the window's weight.
+# A mean line is estimated only where measured points have at least this fraction of the total filter weight.
 _MIN_WEIGHT_COVERAGE = 1e-6
-# A local polynomial's normal equations count as singular if a normalised pivot is below this number.
+# The normal equations of a local polynomial count as singular if a normalised pivot is below this number.
 _MIN_PIVOT = 1e-9
 # Scale of Tukey's biweight, in median absolute deviations.
 # For normally distributed heights, the scale of the biweight is three standard deviations.
@@ -120,7 +120,7 @@ def filtered(
 
 
 def validate_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: float) -> float:
-    """Check that a cutoff (µm) is from half the finer spacing to `longest` times the shortest side of a body.
+    """Check that a cutoff (µm) lies between half the spacing and `longest` times the shortest side of a body.
 
     Returns the cutoff.
     """
@@ -148,10 +148,11 @@ def gaussian_low_pass(
 ) -> Floats:
     """Return the heights (µm) of a body after a linear Gaussian low-pass filter: the mean line or mean surface.
 
-    By default, the weights have the analytic transmission at all wavelengths of the grid. With `samples_weights`, they
-    are the weighting function of ISO 16610-21 at the points, unless the cutoff is below four points or the body is
-    periodic. The weights differ noticeably below ten points: analytic transmission makes ripples next to single-point
-    spikes; sampled weights transmit more at the shortest wavelengths (0.125 instead of 0.0625 at four points).
+    By default, the weights have the analytic transmission at all wavelengths of the grid. With `samples_weights`,
+    the weights are the weighting function of ISO 16610-21 at the points, unless the cutoff is below four points or
+    the body is periodic. The weights differ noticeably below ten points: analytic transmission makes ripples next to
+    single-point spikes; sampled weights transmit more at the shortest wavelengths (0.125 instead of 0.0625 at four
+    points).
     """
     mean = body.heights.mean()
     heights = body.heights - mean
@@ -248,14 +249,14 @@ def _filter_reflected(heights: Floats, cutoffs_in_points: Sequence[float]) -> Fl
 def _divide_by_weights(sums: Floats, weights: Floats, heights: Floats) -> Floats:
     """Divide weighted sums of heights by the sums of weights.
 
-    If a sum of weights is too small, keep the height.
+    Where a sum of weights is too small, the height is kept.
     """
     is_covered = weights > _MIN_WEIGHT_COVERAGE
     return np.where(is_covered, sums / np.where(is_covered, weights, 1), heights)
 
 
 def _reshape_along_axis(values: Any, axis: int, ndim: int) -> Any:
-    """Reshape a list of numbers so that it extends along one axis of a `ndim`-dimensional array."""
+    """Reshape a list of numbers to an array with `ndim` axes, which has the length 1 along all axes except `axis`."""
     return np.reshape(values, [-1 if index == axis else 1 for index in range(ndim)])
 
 
@@ -283,14 +284,14 @@ class _FilterKernel:
             self._weights = np.exp(-((math.pi * self._offset) ** 2) / math.log(2))
             self._weights /= 2 * self._weights.sum() - self._weights[0]
             return
-        # The inverse transform yields weights with exactly the analytic transmission up to the Nyquist wave number.
+        # Weights from the inverse transform have exactly the analytic transmission up to the Nyquist wave number.
         transform_length = next_fast_len(max(self.padded_size, 4 * half_width + 2), real=True)
         self._weights = irfft(
             gaussian_transmission(2 * math.pi * rfftfreq(transform_length), cutoff_in_points), transform_length
         )[: half_width + 1]
 
     def compute_cyclic_weights(self, power: int) -> Floats:
-        """Return weights times distance (in cutoffs) to a power, in the order that cyclic convolution requires."""
+        """Return each weight times its distance (in cutoffs) to the power `power`, ordered for a cyclic convolution."""
         half_weights = self._weights * self._offset**power
         weights = np.zeros(self.padded_size)
         weights[: half_weights.size] = half_weights if power % 2 == 0 else -half_weights
@@ -325,7 +326,7 @@ def _fit_local_polynomials(
     heights: Floats, weights: Floats, cutoffs_in_points: Sequence[float], basis: Sequence[MonomialExponents],
     samples_weights: bool = False,
 ) -> Floats:  # fmt: skip
-    """Fit a polynomial around each point, and return its height there; `weights` multiplies the Gaussian weights."""
+    """Fit a polynomial around each point with Gaussian weights times `weights`, and return the fitted height there."""
     from scipy.fft import irfftn, rfft, rfftn
 
     kernels = [
@@ -373,7 +374,7 @@ def _solve_constant_terms(
     """Solve the normal equations of all local polynomials for the constant terms, by Gaussian elimination.
 
     Where the equations are singular, the result is the weighted mean of the heights. Where no measured point is within
-    reach, it is the height of the point.
+    reach, the result is the height of the point.
     """
     term_indices = range(len(basis))
     total_weight = np.where(moments[basis[0]] > _MIN_WEIGHT_COVERAGE, moments[basis[0]], 1)

@@ -10,7 +10,7 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# A noise floor is significant if adding it to the power laws raises the log-likelihood of the fit by more than 2.
+# A noise floor is significant if it increases the log-likelihood of the fitted power laws by more than this number.
 MIN_FLOOR_LIKELIHOOD_GAIN = 2.0
 # Initial noise level of the fit, as a fraction of the lowest spectral density.
 _INITIAL_FLOOR_FRACTION = 0.3
@@ -18,7 +18,7 @@ _INITIAL_FLOOR_FRACTION = 0.3
 _LOSS_TOLERANCE = 1e-13
 # Nearly all fits of a noise floor need fewer than 20 steps.
 _MAX_FIT_STEPS = 200
-# The damping changes by the first factor after an accepted step, and by the second after a rejected step.
+# Factors by which the damping changes after an accepted step, and after a rejected step.
 _DAMPING_DECREASE, _DAMPING_INCREASE = 0.1, 10.0
 # Initial damping of the Newton steps, as a fraction of the diagonal of the expected Hessian.
 _INITIAL_DAMPING = 1e-3
@@ -141,7 +141,7 @@ def _compute_loss(spectra: Sequence[BinnedSpectrum], parameters: Floats) -> tupl
         model = power_law + parameters[-1]
         loss += float(weight @ (np.log(model) + density / model))
         parameter_indices = [2 * index, 2 * index + 1, size - 1]
-        # Derivatives of the model with respect to the logarithm of A, the exponent, and the level of the floor.
+        # Derivatives of the model A q^-s + noise level with respect to ln(A), to s and to the noise level.
         derivatives = np.stack([power_law, -power_law * log_q, np.ones(power_law.size)])
         loss_derivative = weight * (1 - density / model) / model
         loss_curvature = weight * (2 * density / model - 1) / np.square(model)

@@ -16,7 +16,7 @@ RoundForm = Literal["circle", "sphere", "cylinder"]
 # Coordinates (x, y) in µm relative to the middle of the map.
 PointCoordinates = tuple[Floats, Floats]
 _FormModel = Callable[[Floats, PointCoordinates], Floats]
-# Lower limit of the squared cosine of the slope angle. The formula for it is negative beyond the equator of a sphere.
+# Lower limit of cos² of the slope angle, which is computed as a negative number beyond the equator of a sphere.
 _MIN_COSINE_SQUARED = 1e-6
 # The fit of a round form has converged if residuals and parameters change by less than this fraction.
 _FIT_TOLERANCE = 1e-12
@@ -68,10 +68,10 @@ def fit_round_form(
 
 
 def _compute_arc_heights(squared_distance: Floats, tangent_height: Floats, curvature: float, cosine: float) -> Floats:
-    """Return the heights of a tilted circular arc relative to its middle.
+    """Return the heights of a tilted circular arc above the middle of the arc.
 
-    Points are specified by the square of their distance from the middle, and by the height of the tangent there, which
-    has the sign of the tilt. `cosine` is the cosine of the angle of tilt.
+    Each point is specified by its squared distance from the middle, and by the height of the tangent of the middle at
+    this point, which has the sign of the tilt. `cosine` is the cosine of the angle of tilt.
     """
     rise = curvature * squared_distance + 2 * tangent_height * cosine
     root = np.sqrt(np.maximum(cosine**2 - curvature * rise, _MIN_COSINE_SQUARED))
@@ -118,7 +118,7 @@ def _estimate_form_parameters(form: RoundForm, points: PointCoordinates, heights
     if form == "sphere":
         return np.array([height, xx + yy, slope_x, slope_y])
     curvatures, directions = np.linalg.eigh([[2 * xx, xy], [xy, 2 * yy]])
-    # A cylinder has the smallest curvature along its axis.
+    # The axis of a cylinder is the direction of the smallest curvature.
     axis_direction = directions[:, int(np.argmin(np.abs(curvatures)))]
     angle = math.atan2(axis_direction[1], axis_direction[0])
     slope_along_axis = slope_x * axis_direction[0] + slope_y * axis_direction[1]

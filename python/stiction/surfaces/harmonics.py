@@ -17,7 +17,7 @@ _MIN_FIRST_HARMONIC_BIN = 2.5
 # Maximum number of harmonics whose density is compared with the density between harmonics.
 _MAX_COMPARED_HARMONICS = 8
 # Minimum number of significant harmonics of a texture in addition to the first harmonic.
-# More than a third of the compared harmonics must be significant, too.
+# In addition, more than a third of the compared harmonics must be significant.
 _MIN_SIGNIFICANT_HARMONICS = 2
 # Maximum number of spectral peaks that are tested as the first harmonic of a texture.
 _MAX_TESTED_PEAKS = 6
@@ -34,7 +34,7 @@ _BACKGROUND_DENSITY_QUANTILE = 0.3
 
 
 def find_texture_harmonics(density: Floats) -> tuple[float, float]:
-    """Find the first harmonic of a periodic texture in a spectrum, and the distance between harmonics (both in bins).
+    """Find the first harmonic (bin) of a periodic texture in a spectrum, and the distance (in bins) between harmonics.
 
     Returns NaN if there is no periodic texture.
 
@@ -73,7 +73,7 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
 
 
 def estimate_density_between_harmonics(density: Floats, count: Floats, distance: float) -> Floats:
-    """Estimate the density between texture harmonics, from its low quantile in a window one harmonic distance wide.
+    """Estimate the spectral density between texture harmonics from a low quantile within one harmonic distance.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def estimate_density_between_harmonics(density: Floats, count: Floats, distance:
 
 
 def _compute_median_between_harmonics(padded_density: Floats, harmonics: Floats, distance: float) -> Floats:
-    """Return, for each harmonic, the median density on both sides of the peak, up to halfway to the next harmonic."""
+    """Return the median density around each harmonic, except its peak, up to half the distance between harmonics."""
     bins = np.arange(padded_density.size)
     medians = []
     for harmonic in harmonics.tolist():

@@ -14,9 +14,9 @@ _EQUAL_DIFFERENCE_TOLERANCE = 1e-6
 _MIN_REPETITIONS = 5
 # If heights are rounded, at least this fraction of the second differences occurs repeatedly.
 _MIN_FRACTION_OF_REPEATED_DIFFERENCES = 0.5
-# At least this fraction of second differences must be multiples of the rounding step, with this tolerance (steps).
+# If heights are rounded, this fraction of second differences are multiples of a step, within a tolerance (steps).
 _MIN_FRACTION_OF_MULTIPLES, _MULTIPLE_TOLERANCE = 0.9, 0.05
-# Minimum fraction of the nonzero second differences that are multiples of the rounding step.
+# Minimum fraction of multiples of the rounding step among the nonzero second differences.
 # A difference of 0, as in a clipped map, is a multiple of any step, so it is no evidence of rounding.
 # Without rounding, 10 % of the second differences are within the tolerance of a multiple by chance.
 _MIN_FRACTION_OF_NONZERO_MULTIPLES = 0.5
@@ -27,7 +27,7 @@ _MAX_STEP_RATIO = 1 / 3 + 1e-6
 def find_height_step(heights: Floats) -> float:
     """Find the step (µm) to which the heights of a scan are rounded.
 
-    Returns 0 if they are not rounded.
+    Returns 0 if the heights are not rounded.
 
     The step is also found if a line, a plane or a parabola was subtracted after the rounding.
 

@@ -27,11 +27,11 @@ from stiction.surfaces.surface import Surface
 MAX_FITTED_WAVELENGTH_POINTS = 16.0
 _BINS_PER_OCTAVE = 8
 _MIN_FIT_BINS = 8
-# Assumed relative deviation of the true spectral density from a power law in each bin.
+# In each bin, the true spectral density is assumed to deviate from a power law by this fraction.
 _RELATIVE_MODEL_ERROR = 0.1
-# Exponents of line spectra of self-affine surfaces with Hurst exponents 0 and 2.
+# Spectral exponents of the lines of self-affine surfaces with the Hurst exponents 0 and 2.
 _LINE_SPECTRUM_EXPONENT_RANGE = (1.0, 5.0)
-# Maximum ratio of a map's fitted noise density to the map's median spectral density at short wavelengths.
+# Maximum ratio of the noise density fitted to a map to the median density of the map at short wavelengths.
 # Wavelengths below four points along both axes count as short.
 _MAX_FITTED_NOISE_RATIO = 2.0
 
@@ -90,7 +90,7 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Noi
 
 
 def _estimate_short_wavelength_noise(surface: Surface, periodic: bool) -> float:
-    """Return the variance (µm²) of white noise with the same median spectral density as a map at short wavelengths.
+    """Estimate the variance (µm²) of white noise from the median spectral density of a map at short wavelengths.
 
     The median is taken over the wavelengths below four points along both axes. The densities of noise are
     exponentially distributed, so their median is ln 2 of their mean.
@@ -102,7 +102,7 @@ def _estimate_short_wavelength_noise(surface: Surface, periodic: bool) -> float:
 
 
 def _bin_short_wavelengths(spectrum: LineSpectrum, periodic: bool) -> BinnedSpectrum | None:
-    """Average a spectrum in bins at wavelengths of up to 16 points, or return None if there are too few bins."""
+    """Average a spectrum in bins at wavelengths of up to 16 grid spacings, or return None if there are too few bins."""
     q, density, count, spacing = spectrum
     # The Hann window adds power from longer wavelengths to the first two harmonics, so they are excluded.
     if not periodic:

@@ -20,7 +20,7 @@ from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, areal_spectrum, is_
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_body
 
 _NUM_NEWTON_STEPS, _NUM_BISECTION_STEPS = 50, 30
-# Largest width of a useful 95 % interval of a Hurst exponent.
+# A Hurst exponent is useful if its 95 % interval is at most this wide.
 MAX_HURST_INTERVAL_WIDTH = 0.5
 # Minimum number of harmonics in a wavelength band to which a Hurst exponent is fitted.
 MIN_BAND_HARMONICS = 8
@@ -43,7 +43,7 @@ _RELATIVE_MODEL_ERROR = 0.1
 _SPECTRUM_PIECE_PENALTY = 10.0
 # Maximum deviance per bin of a piece of a spectrum from its fitted power law.
 # Random scatter causes a deviance of about 1 per bin.
-# A piece with a deviance above this maximum is rejected, because it consists of separate peaks.
+# A piece with a larger deviance is rejected, because the piece consists of separate peaks.
 _MAX_DEVIANCE_PER_BIN = 10.0
 # Minimum width of the fitted wave number band in ln(q). It is about half a decade.
 _MIN_BAND_WIDTH = math.log(3)
@@ -71,7 +71,7 @@ class PowerLawFit:
         return math.log((self._power * np.exp(exponent * self._log_q)).sum()) + math.log(self._max_power)
 
     def loss(self, exponent: float) -> float:
-        """Return the negative log-likelihood (up to a constant) of an exponent, with the prefactor that fits best."""
+        """Return the negative log-likelihood (up to a constant) of an exponent, with the best-fitting prefactor."""
         return self._total_weight * self._log_power_at_mean_q(exponent)
 
     @property
@@ -100,13 +100,13 @@ class PowerLawFit:
 def _fit_exponents(log_q: Floats, power: Floats) -> Floats:
     """Return, for each row of weighted spectral powers, the exponent s of the power law P ∝ q^-s that fits best."""
     exponents = np.zeros(len(power))
-    # These rows of spectra have exponents that have not converged yet.
+    # Indices of the spectra whose exponents have not converged yet.
     open_rows = np.arange(len(power))
     # Newton's method converges, because the loss is a convex log-sum-exp function.
     for _ in range(_NUM_NEWTON_STEPS):
         scaled_power = power * np.exp(exponents[open_rows, np.newaxis] * log_q)
         scaled_power /= scaled_power.sum(axis=-1, keepdims=True)
-        # Sums replace BLAS dot products, whose round-off depends on the number of threads.
+        # Array sums are used instead of BLAS dot products, whose round-off depends on the number of threads.
         gradient = (scaled_power * log_q).sum(axis=-1, keepdims=True)
         newton_step = gradient[:, 0] / (scaled_power * (log_q - gradient) ** 2).sum(axis=-1)
         exponents[open_rows] -= np.clip(newton_step, -2.0, 2.0)
@@ -119,11 +119,12 @@ def _fit_exponents(log_q: Floats, power: Floats) -> Floats:
 
 
 def _fit_power_laws(log_q: Floats, power: Floats, weight: Floats) -> tuple[Floats, Floats]:
-    """Fit a power law to each row of wave numbers, powers and weights.
+    """Fit a power law to the spectrum in each row of wave numbers, powers and weights.
 
     Returns exponents and negative log-likelihoods.
 
-    This is several times faster than separate fits, because most parts of a binned spectrum have few bins.
+    Fitting all rows together is several times faster than separate fits, because most parts of a binned spectrum have
+    few bins.
     """
     total_weight = weight.sum(axis=-1, keepdims=True)
     weight_fraction = weight / total_weight
@@ -210,7 +211,7 @@ class HurstEstimate(TableReprMixin):
         return None
 
     def density(self, wave_number: Floats) -> Floats:
-        """Return the spectral density of the fitted power law, C1D (µm³) or C2D (µm⁴), at wave numbers (1/µm)."""
+        """Return the spectral density of the fitted power law at wave numbers (1/µm): C1D (µm³) or C2D (µm⁴)."""
         exponent = -self.dimensions - 2 * self.value
         return np.asarray(self.prefactor * np.asarray(wave_number, dtype=np.float64) ** exponent)
 
@@ -343,7 +344,7 @@ def estimate_hurst_exponent(
 
 
 def _select_profile_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return wave numbers and powers of a profile for a power-law fit, and the height (µm) that divided its heights."""
+    """Scale a profile to a largest height of 1, and return its wave numbers, powers and the largest height (µm)."""
     heights = profile.heights - profile.heights.mean()
     if not periodic:
         centred_index = np.arange(heights.size) - (heights.size - 1) / 2
@@ -362,7 +363,7 @@ def _select_profile_harmonics(profile: Profile, periodic: bool) -> tuple[Floats,
 
 
 def _select_areal_harmonics(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return wave numbers and powers of a map for a power-law fit, and the height (µm) that divided its heights."""
+    """Scale a map to a largest height of 1, and return its wave numbers, powers and the largest height (µm)."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights
@@ -410,16 +411,16 @@ class _SpectrumBins:
 
 
 def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple[slice, _SpectrumBins]:
-    """Find the widest range of harmonics with a single power law and 0 < H < 1 or, without such a range, 0 < H < 2.
+    """Find the widest band of harmonics that follow one power law with 0 < H < 1 or, failing that, 0 < H < 2.
 
-    Returns this range, and the binned spectrum in this range and in the roll-off at its long wavelengths.
+    Returns this band, and the binned spectrum in this band and in the roll-off at longer wavelengths.
     """
     if q.size >= MIN_BAND_HARMONICS:
         bins = _SpectrumBins.from_harmonics(q, power)
         weight = 1 / (variance_factor / bins.count + _RELATIVE_MODEL_ERROR**2)
         starts, piece_ends, exponents, losses = _fit_spectrum_pieces(bins, weight)
         pieces = _select_spectrum_pieces(bins.log_q.size, starts, piece_ends, losses)
-        # The power spectrum has these exponents for H = 1 and H = 2.
+        # The power spectrum of a self-affine profile has the exponent 3 for H = 1, and 5 for H = 2.
         for max_exponent in (3.0, 5.0):
             max_band_width = _MIN_BAND_WIDTH
             best_band: tuple[slice, _SpectrumBins] | None = None
@@ -496,7 +497,7 @@ def _fit_spectrum_pieces(
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats, Floats]:
     """Fit a power law to every range of consecutive bins in a spectrum.
 
-    Returns first bins, exclusive ends, exponents and losses.
+    Returns four arrays over the ranges: first bin, exclusive end, exponent and loss.
     """
     starts, piece_ends = (index.astype(np.intp) for index in np.triu_indices(bins.log_q.size + 1, _MIN_PIECE_BINS))
     exponents, losses = np.empty(starts.size), np.empty(starts.size)
@@ -511,7 +512,7 @@ def _fit_spectrum_pieces(
 def _select_spectrum_pieces(
     bin_count: int, starts: NDArray[np.intp], piece_ends: NDArray[np.intp], losses: Floats
 ) -> list[int]:
-    """Return the division of a binned spectrum into consecutive pieces with the least sum of losses and penalties."""
+    """Select consecutive pieces that cover a binned spectrum with the least sum of fit losses and piece penalties."""
     min_loss, last_piece = np.full(bin_count + 1, np.inf), np.full(bin_count + 1, -1)
     min_loss[0] = 0.0
     for piece in np.argsort(piece_ends, kind="stable"):

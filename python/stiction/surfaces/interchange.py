@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 
     from stiction._checks import Floats
 
-# A grid counts as uniform if the range of its steps is at most this fraction of their mean.
+# A grid counts as uniform if its steps vary by at most this fraction of the mean step.
 SPACING_TOLERANCE = 1e-6
 
 
 class ExtractedHeights(NamedTuple):
-    """Heights extracted from an object of this or another library, with spacing, history and missing points."""
+    """Heights, spacing, history and missing points of a body of this package, or of an object of another library."""
 
     # Heights (µm) with the shape (n,) or (rows, columns).
     heights: Floats
@@ -124,7 +124,7 @@ def _extract_from_data_array(name: str, other: Any, type_name: str, unit: str | 
 
 
 def _find_uniform_spacing(name: str, axis: str, positions: Any) -> float:
-    """Return the spacing of equally spaced positions, or raise a `ValueError` for other positions."""
+    """Return the spacing of positions, or raise a `ValueError` if the positions do not increase in equal steps."""
     coordinates = np.asarray(positions, dtype=np.float64)
     steps = np.diff(coordinates)
     if not steps.size or not (steps > 0).all() or np.ptp(steps) > SPACING_TOLERANCE * steps.mean():

@@ -97,9 +97,9 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def disagreement(self) -> Floats:
-        """Mean ratio of each scan's spectral density to that of the other scans, at the wavelengths that they share.
+        """Ratio of each scan's spectral density to that of the other scans: geometric mean over shared wavelengths.
 
-        The shape is (scans,), and the ratio is NaN for a scan without overlap.
+        The shape is (scans,). The mean is NaN for a scan without overlap.
         """
         is_shared = (self.contribution > 0).sum(axis=0) > 1
         ratios = np.full(len(self.bands), np.nan)
@@ -107,7 +107,7 @@ class JoinedSpectrum(TextReprMixin):
             is_compared = is_shared & np.isfinite(ratio)
             weight = self.contribution[scan_index, is_compared]
             if is_compared.any() and (weight < 1).any():
-                # A scan is compared with the other scans only, so its contribution to the joined density is removed.
+                # Without its contribution to the joined density, a scan is compared with other scans only.
                 other_density = (1 - weight * ratio[is_compared]) / (1 - weight)
                 with np.errstate(divide="ignore", invalid="ignore"):
                     log_ratios = np.log(ratio[is_compared] / other_density)
@@ -120,7 +120,7 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def chance(self) -> Floats:
-        """Standard deviation of each scan's ln(`disagreement`) by chance, if all scans have the same true spectrum."""
+        """Standard deviation of each scan's ln(`disagreement`) by chance, if all scans have the same spectrum."""
         is_shared = (self.contribution > 0).sum(axis=0) > 1
         independent_counts = self.contribution * self.count / _WAVE_VECTORS_PER_INDEPENDENT_VALUE
         log_deviations = np.full(len(self.bands), np.nan)
@@ -151,7 +151,7 @@ class JoinedSpectrum(TextReprMixin):
         self, seed: int, *, shape: tuple[int, int], spacing: float | tuple[float, float], repetition: int = 0,
         side: Side = "lower",
     ) -> Surface:  # fmt: skip
-        """Generate a periodic Gaussian height map with this spectrum, without longer or shorter wavelengths.
+        """Generate a periodic Gaussian height map with this spectrum, and without wavelengths outside the spectrum.
 
         Parameters
         ----------
@@ -321,7 +321,7 @@ def _find_reliable_band(
 def _average_in_bins(
     body: Profile | Surface, band: tuple[float, float], per_decade: int
 ) -> dict[int, tuple[float, float]]:
-    """Return the number of wave vectors and the mean spectral density of each wave number bin in a wavelength band."""
+    """Return the number of wave vectors and the mean spectral density in each wave number bin of a wavelength band."""
     min_wave_number, max_wave_number = (2 * math.pi / wavelength for wavelength in reversed(band))
     if isinstance(body, Profile):
         ring_spectrum = isotropic_spectrum(levelled(body, "line"))

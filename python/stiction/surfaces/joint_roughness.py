@@ -31,7 +31,7 @@ class JointRoughness:
         Distance between the compared points: the multiple of the grid spacing closest to 1.27 mm, or less on a
         shorter face.
     z2 : float
-        Root-mean-square slope. It is the same for both senses of a direction.
+        Root-mean-square slope, which is the same for both senses of a direction.
     rising_slope, falling_slope : float
         Mean of the slopes that rise along the direction, and of the magnitudes of those that fall.
     """
@@ -59,7 +59,7 @@ def measure_joint_roughness(face: Any, direction: float) -> JointRoughness:
     direction_vector = np.array([math.sin(angle), math.cos(angle)])[-face.heights.ndim :]
     spacing = np.array(face.spacings)
     largest_index = np.array(face.heights.shape) - 1
-    # On a short face, the offset between the compared points is reduced to the size of the face.
+    # The offset between compared points is reduced if the face is shorter than the sampling interval.
     offsets = SAMPLING_INTERVAL * direction_vector / spacing
     offsets *= min(1.0, float(np.min(largest_index / np.maximum(np.abs(offsets), 1e-9))))
     steps = np.rint(offsets).astype(int)
@@ -79,7 +79,7 @@ def measure_joint_roughness(face: Any, direction: float) -> JointRoughness:
 
 
 def _compute_height_differences(face: Any, steps: Any) -> Floats:
-    """Return the height differences (µm) of all pairs of measured points at a given offset (in points)."""
+    """Return the height differences (µm) between all measured points that are a given offset (in points) apart."""
     starts, ends = [], []
     for step, points in zip(steps.tolist(), face.heights.shape, strict=True):
         num_pairs = points - abs(step)

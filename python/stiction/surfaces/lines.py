@@ -20,9 +20,9 @@ from stiction.surfaces.surface import Surface, as_body, reject_flat_body
 # More lines add little information, because neighbouring lines are correlated.
 MAX_FITTED_LINES = 64
 _BOTH_AXES: tuple[LineOrientation, LineOrientation] = ("x", "y")
-# Maximum rms factor between a spectral density and a fitted power law.
+# A power law is accepted if it deviates from the spectral density by at most this rms factor.
 MAX_POWER_LAW_MISFIT = 1.5
-# Two wavelength bands agree if their shortest and their longest wavelengths each differ by less than this factor.
+# Two wavelength bands count as equal if their shortest, and their longest, wavelengths differ by less than this factor.
 _MAX_EQUAL_BAND_RATIO = 1.5
 # Assumed variance of ln(density) in a bin due to deviations of the spectrum from a power law, without random scatter.
 _LOG_MODEL_VARIANCE = 0.04
@@ -77,7 +77,7 @@ class LineRoughness(TextReprMixin):
 
     @property
     def is_straight(self) -> bool:
-        """True if the mean spectrum of the lines is close to a power law, a straight line on logarithmic axes."""
+        """True if the mean spectrum of the lines is nearly a power law, that is, straight on logarithmic axes."""
         return self.misfit <= MAX_POWER_LAW_MISFIT
 
 
@@ -143,7 +143,7 @@ def line_roughness(
             fitted_lines.append(unlevelled_line)
     free_fits = [fit for line in fitted_lines if (fit := _estimate_line_hurst_exponent(line, band)) is not None]
     if band is not None and not free_fits and (rough_lines := [line for line in fitted_lines if not line.is_flat]):
-        # All fits failed. The fit of one line is repeated to raise the error with the reason.
+        # If the fits of all lines failed, one fit is repeated to raise the error with the reason.
         estimate_hurst_exponent(rough_lines[0], band=band)
     band_fits = free_fits
     if band is None and 2 * len(free_fits) >= len(fitted_lines):
@@ -241,7 +241,7 @@ def power_law_misfit(
 
 
 def _estimate_line_hurst_exponent(line: Profile, band: tuple[float, float] | None) -> HurstEstimate | None:
-    """Estimate the Hurst exponent of a map row or column, or return None if it is flat or has no self-affine band."""
+    """Estimate the Hurst exponent of a map row or column; return None for a flat line or without a self-affine band."""
     try:
         return estimate_hurst_exponent(line, band=band)
     except ValueError:

@@ -15,7 +15,7 @@ from stiction.surfaces.surface import Surface, as_body
 CORE_FRACTION = 0.4
 # Material ratios at which ISO 25178-3 by default separates peaks, core and valleys.
 PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO = 0.1, 0.8
-# The extreme peak height is the difference in height between these two material ratios, the defaults of ISO 25178-3.
+# Material ratios between which the extreme peak height is measured: the defaults of ISO 25178-3.
 EXTREME_PEAK_MATERIAL_RATIOS = 0.025, 0.5
 
 
@@ -105,7 +105,7 @@ def heights_at_material_ratios(heights: Floats, ratios: ArrayLike) -> Floats:
 
 
 class VolumeParameters(NamedTuple):
-    """Material and void volumes per area of a surface, in the unit of the heights."""
+    """Volumes per area of a surface (peak and core material, core and valley voids), in the unit of the heights."""
 
     peak_material: float
     core_material: float

@@ -27,8 +27,8 @@ _MIN_OUTLIER_RATIO = MIN_OUTLIER_SIGMAS * 1.4826
 # Maximum number of adjacent outliers. More adjacent points are a feature of the surface.
 MAX_OUTLIER_GROUP_SIZE = 4
 
-# Median deviation of a height from its neighbours due to rounding, as a fraction of the rounding step.
-# Rounding causes deviations of 0.25 steps from means of neighbours, and 0.21 to 0.33 steps from lines.
+# Median deviation of rounded heights from their neighbours, as a fraction of the rounding step.
+# Rounding causes deviations of 0.25 steps from means of neighbours, and of 0.21 to 0.33 steps from lines through them.
 _MEDIAN_ROUNDING_DEVIATION = 0.25
 # Round-off of heights after a form was subtracted, as a fraction of the height range.
 _ROUND_OFF_RATIO = 1e-10
@@ -37,21 +37,21 @@ _MAX_FLAT_FRACTION = 0.25
 # If at least this fraction of the points is rough, flat regions count as clipped or filled.
 _MIN_ROUGH_FRACTION = 0.02
 
-# Width (points) of the window for local medians in profiles (key 1) and maps (key 2).
+# Width (points) of the window of local medians, by the number of dimensions: 1 for profiles, 2 for maps.
 _WINDOW_WIDTHS = {1: 31, 2: 7}
 # Minimum number of neighbour means from which the height of a point is estimated.
 # With three means, the median is correct even if an outlier affects one mean.
 _MIN_NEIGHBOUR_ESTIMATES = 3
-# Maximum number of lines through two neighbours that may pass near an outlier of a map by chance.
+# At most this number of lines through two neighbours may pass near an outlier of a map by chance.
 # Each point is compared with at least five lines.
 _MAX_LINES_NEAR_OUTLIER = 2
 _MAX_OUTLIER_PASSES = 8
-# Steps (points) from a point to its neighbours in profiles (key 1) and maps (key 2).
+# Steps (points) from a point to its neighbours, by the number of dimensions: 1 for profiles, 2 for maps.
 _NEIGHBOUR_STEPS: dict[int, list[tuple[int, ...]]] = {1: [(1,), (2,), (3,), (4,)], 2: [(0, 1), (1, 0), (1, 1), (1, -1)]}
 # Maximum number of points of a strip of rows for which deviations from neighbours are computed together.
 _MAX_STRIP_POINTS = 16_384
 _MAX_WINDOWS_PER_BATCH = 100_000
-# Minimum number of edge points, or of rough points beside flat regions, for a separate median deviation.
+# Edge points, or rough points beside flat regions, have a separate median deviation if there are at least this many.
 _MIN_EDGE_POINTS = 20
 
 
@@ -74,7 +74,7 @@ def interpolate_missing_points(heights: Floats, *, extrapolate: bool) -> Floats:
 
 
 def compute_scattered_missing_fraction(missing: NDArray[np.bool_]) -> float:
-    """Return the fraction of points that are missing although both neighbours along x or y were measured."""
+    """Return the fraction of points that are missing between two measured neighbours along x or along y."""
     is_between = np.zeros(missing.shape, np.bool_)
     for axis in range(missing.ndim):
         missing_lines, between_lines = np.moveaxis(missing, axis, -1), np.moveaxis(is_between, axis, -1)
@@ -147,7 +147,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
             ]
         deviations = mean_deviations, line_deviations
         ratio = _find_smaller_ratio(deviations, [typical.scan_medians for typical in typical_deviations])
-        # The comparison with neighbours only removes candidates, so only outliers of the whole scan are compared.
+        # Neighbours are compared only at outliers of the whole scan, because this comparison only removes candidates.
         can_be_outlier = is_measured & ~is_outlier & np.isfinite(line_deviations)
         candidates = np.nonzero(can_be_outlier & (ratio > _MIN_OUTLIER_RATIO))
         ratio = np.zeros(heights.shape)
@@ -158,7 +158,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
         is_deviating = ratio > _MIN_OUTLIER_RATIO
         if not is_deviating.any():
             break
-        # This import takes 0.1 s, and most scans have no outliers.
+        # SciPy is imported only here, which takes 0.1 s, because most scans have no outliers.
         from scipy.ndimage import maximum_filter
 
         is_local_maximum = is_deviating & (ratio >= maximum_filter(ratio, size=3))
@@ -173,14 +173,14 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
 
 
 def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[Floats]) -> Floats:
-    """Return, at each point, the smaller of two quotients: deviation divided by typical value. NaN is ignored."""
+    """Divide both deviations at each point by their typical values, and return the smaller quotient, ignoring NaN."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.fmin(deviations[0] / typical_values[0], deviations[1] / typical_values[1])
 
 
 @dataclass(frozen=True, eq=False)
 class _NeighbourDeviations:
-    """Deviations of heights from neighbouring heights: the median of the scan, and each deviation divided by it.
+    """Median deviation of heights from neighbouring heights in a scan, and each deviation divided by this median.
 
     Edge points have a different median than other points.
     """
@@ -189,7 +189,7 @@ class _NeighbourDeviations:
     relative_deviations: Floats
 
     def at_points(self, points: tuple[NDArray[np.intp], ...]) -> Floats:
-        """Return the typical deviation (µm) at given points: the median in their window or, if larger, in the scan.
+        """Return the typical deviation (µm) at given points: the median around the point or, if larger, of the scan.
 
         A worn surface is smoother on plateaus than in valleys, so the median of the scan alone is not sufficient.
         """
@@ -207,7 +207,7 @@ class _NeighbourDeviations:
 def _find_neighbour_deviations(
     deviations: Floats, is_measured: NDArray[np.bool_], at_edge: NDArray[np.bool_], heights: Floats, step: float
 ) -> _NeighbourDeviations:
-    """Compute the typical (median) deviation of heights from their neighbours, separately for edge and inner points.
+    """Compute the median deviation of heights from neighbouring heights, separately for edge points and inner points.
 
     `step` is the rounding step of the heights (µm). Where most deviations are at most one step, they may be due to
     rounding, and the region counts as flat. In scans with flat regions, rough regions and their neighbourhoods have the
@@ -217,7 +217,7 @@ def _find_neighbour_deviations(
     is_known, width = is_measured & np.isfinite(deviations), _WINDOW_WIDTHS[deviations.ndim]
     is_rough = near_rough_region = np.zeros(deviations.shape, np.bool_)
     round_off = _ROUND_OFF_RATIO * float(np.ptp(heights[is_measured])) if is_measured.any() else 0.0
-    # Deviations above this limit (µm) exceed one rounding step.
+    # Limit (µm) above which a deviation exceeds one rounding step.
     resolution = 1.01 * max(step, round_off)
     if is_known.any() and np.quantile(deviations[is_known], _MAX_FLAT_FRACTION) <= resolution:
         from scipy.ndimage import maximum_filter, median_filter
@@ -245,7 +245,7 @@ def _find_neighbour_deviations(
 def _compute_deviations_from_neighbours(
     heights: Floats, remaining_heights: Floats
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return deviations of heights from the mean of neighbours and from lines through neighbours, and the edge mask.
+    """Return the deviations from the neighbours' mean and from lines through neighbours, and a mask of edge points.
 
     Deviations are NaN at points with too few measured neighbours. Maps are evaluated in strips of rows, whose
     intermediate arrays fit into the cache.
@@ -302,7 +302,7 @@ def _compute_deviations_in_strip(
 
 
 def _find_smallest(values: list[Floats], kept_count: int) -> list[Floats]:
-    """Return, at each point, the `kept_count` smallest values of several arrays, in ascending order.
+    """Return, for each point, the `kept_count` smallest numbers of several arrays in ascending order.
 
     NaN is replaced by infinity.
 

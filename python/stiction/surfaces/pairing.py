@@ -1,7 +1,7 @@
 """Pairs of surfaces from two scans: pairs of lines, pairs of map pieces, or pairs of surrogates.
 
 A pair depends only on the scans, the options and its index. Neither the number of pairs nor the process
-that computes a pair affects it.
+that computes a pair affects the pair.
 """
 
 from __future__ import annotations
@@ -32,16 +32,16 @@ from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
 # Default number of line pairs. With this number, computing a result with interval takes one or two seconds.
 DEFAULT_NUM_LINE_PAIRS = 128
-# Ratio of the map length to the largest shift between two maps, of which three quarters always overlap.
+# The largest shift is the map length divided by this number, so that three quarters of two maps always overlap.
 MAX_SHIFT_DIVISOR = 4
 MIN_PIECE_SIDE_POINTS = 16
 MAX_SURROGATE_SIDE_POINTS = 512
 SurrogateBodies = Literal["none", "upper", "lower", "both"]
 SIDES: tuple[Side, Side] = ("upper", "lower")
 _GOLDEN_RATIO = (5**0.5 - 1) / 2
-# This real root of x^3 = x + 1 is the base of two-dimensional quasi-random points.
+# Real root of x^3 = x + 1, from which two-dimensional quasi-random points are computed.
 _PLASTIC_NUMBER = 1.324717957244746
-# This real root of x^5 = x + 1 is the base of four-dimensional quasi-random points.
+# Real root of x^5 = x + 1, from which four-dimensional quasi-random points are computed.
 _QUINTIC_ROOT = 1.1673039782614187
 GRID_POINTS_PER_WAVELENGTH = 4
 
@@ -145,7 +145,7 @@ class LinePairs:
         start = max(line_count // 3, 1) if shifted else 0
         if self.count is not None:
             return (start + index * line_count // self.count) % line_count
-        # The step is near the golden ratio times the line count, and has no common divisor with the line count.
+        # The step is near the golden ratio times `line_count`, and has no common divisor with `line_count`.
         step = max(1, round(line_count * _GOLDEN_RATIO))
         while math.gcd(step, line_count) > 1:
             step += 1
@@ -288,7 +288,7 @@ class MapPairs:
 
     @cached_property
     def spacing(self) -> tuple[float, float]:
-        """Spacings (µm) of rows and columns in all pieces: along each axis, the finer spacing of the two maps."""
+        """Spacings (µm) of all pieces along y and x: along each axis, the smaller spacing of the two maps."""
         (uy, ux), (ly, lx) = self.upper.spacing, self.lower.spacing
         return min(uy, ly), min(ux, lx)
 
@@ -307,12 +307,12 @@ class MapPairs:
 
     @cached_property
     def _shifts_in_points(self) -> tuple[tuple[int, int], ...]:
-        """Shifts of the upper map, converted from the µm of `shifts` to numbers of rows and columns."""
+        """Shifts of the upper map in numbers of rows and columns, converted from `shifts` (µm)."""
         dy, dx = self.spacing
         return tuple((round(y / dy), round(x / dx)) for x, y in self.shifts or ())
 
     def _find_overlap(self, steps: tuple[int, int]) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Return the overlap of both maps at a shift: first row and column on the lower map, and size in points."""
+        """Return the overlap of both maps at a shift: first row and column in the lower map, and the shape."""
         starts = tuple(max(0, step) for step in steps)
         ends = (
             min(lower_points, step + upper_points)
@@ -353,7 +353,7 @@ class MapPairs:
 
     @property
     def piece_fractions(self) -> tuple[float, float]:
-        """Area of a piece, divided by the area of the upper map and by the area of the lower map."""
+        """Ratio of a piece's area to the area of the upper map, and to the area of the lower map."""
         piece_size = np.prod(self.shape)
         return tuple(float(piece_size / np.prod(map_shape)) for map_shape in self._map_shapes)  # type: ignore[return-value]
 
@@ -369,7 +369,7 @@ class MapPairs:
         return (2 * margins[0] + 1) * (margins[1] // 2 + 1) if equal_size else (margins[0] + 1) * (margins[1] + 1)
 
     def piece_origins(self, index: int) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Return the first row and column of the upper and the lower piece of a pair, at the pieces' spacing."""
+        """Return the first row and column of a pair's upper and lower piece, on the grid that all pieces share."""
         if self.shifts is not None:
             overlap_start, overlap_shape = self._find_overlap(self._shifts_in_points[index])
             lower_origin = tuple(
@@ -412,7 +412,7 @@ class MapPairs:
         return self._cut_piece(self.upper, upper_origin), self._cut_piece(self.lower, lower_origin)
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
-        """Generate a surrogate of each map for a pair index, and return a levelled piece of each surrogate."""
+        """Generate a surrogate of each map for the pair `index`, and return a levelled piece of each surrogate."""
         upper, lower = (
             self._cut_piece(
                 surrogate(body, self.seed, repetition=index, side=side),
@@ -482,12 +482,12 @@ class IsotropicSurfacePairs(SquarePiecePairs):
 
     @property
     def piece_fractions(self) -> tuple[float, float]:
-        """Side length of a piece, divided by the length of the upper profile and by the length of the lower profile."""
+        """Ratio of a piece's side length to the length of the upper profile, and to the length of the lower profile."""
         upper, lower = (self._num_side_points / len(profile) for profile in self._resampled_profiles)
         return upper, lower
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
-        """Generate a random height map from each profile for a pair index, and return a levelled piece of each map."""
+        """Generate a random map from each profile for the pair `index`, and return a levelled piece of each map."""
         shape = (self._num_side_points, self._num_side_points)
         upper, lower = (
             levelled(
@@ -520,7 +520,7 @@ class SurfacePairsFromSpectra(SquarePiecePairs):
     # Trend that is subtracted from each generated surface.
     level: SurfaceTrend = "plane"
     seed: int = 2016
-    # Cutoff wavelengths (µm) of the upper and the lower body. 0 means unfiltered.
+    # Cutoff wavelengths (µm) of the upper and the lower body, or 0 for an unfiltered body.
     cut_off: tuple[float, float] = (0.0, 0.0)
     # Shortest cutoff (µm) of a study. It determines the grid of the generated surfaces at all cutoffs.
     finest_spacing: float = 0.0
@@ -541,12 +541,12 @@ class SurfacePairsFromSpectra(SquarePiecePairs):
 
     @property
     def piece_fractions(self) -> tuple[float, float]:
-        """Area of a piece, divided by the area of a generated height map, for the upper and the lower map."""
+        """Ratio of a piece's area to the area of the generated height map, for the upper and for the lower map."""
         fraction = float(np.prod(self.shape)) / self._num_side_points**2
         return fraction, fraction
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
-        """Generate a random height map from each spectrum for a pair index, and return a levelled piece of each map."""
+        """Generate a random map from each spectrum for the pair `index`, and return a levelled piece of each map."""
         return self._generate_piece(self.upper, index, "upper"), self._generate_piece(self.lower, index, "lower")
 
     def _generate_piece(self, body: JoinedSpectrum, index: int, side: Side) -> Surface:

@@ -18,12 +18,12 @@ ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
 ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic", "circle"]
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
-# Part of the longer of two bodies that is kept: its start or its middle.
+# Section of the longer body that is kept: its start or its middle.
 GridAlignment = Literal["start", "middle"]
 # A position is regarded as a grid point if its distance from the point is below this fraction of the spacing.
 # The tolerance allows for round-off: 0.3 µm is point 3 of a grid with a spacing of 0.1 µm.
 GRID_POSITION_TOLERANCE = 1e-9
-# A levelled body contains only round-off if its largest height is below this fraction of the original largest height.
+# A levelled body counts as flat if its largest height is below this fraction of the original largest height.
 LEVELLING_ROUND_OFF = 1e-14
 _TREND_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5, "sextic": 6}
 _DEGREE_ORDINALS = {2: "second", 3: "third", 4: "fourth", 5: "fifth", 6: "sixth"}
@@ -129,7 +129,7 @@ def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") ->
 
 
 def _compute_orthogonal_polynomials(points: int, degree: int) -> list[Floats]:
-    """Return the values of orthogonal polynomials with degrees up to `degree` at the points of a uniform grid."""
+    """Return orthogonal polynomials of degrees 0 to `degree`, evaluated at the points of a uniform grid."""
     t = (np.arange(points) - (points - 1) / 2) / points
     polynomials = [np.ones(1), t]
     for _ in range(2, degree + 1):
@@ -249,7 +249,7 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
 
 
 def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
-    """Return the index range of the points that a crop retains along one axis, and a description for the history."""
+    """Return the range of indices that a crop leaves along one axis, and a history entry for the crop."""
     extent = points * spacing
     start = validate_number("start", start, unit="µm")
     stop = extent if stop is None else validate_number("stop", stop, unit="µm")
@@ -277,7 +277,7 @@ def on_common_grid(a: Surface, b: Surface, *, align: GridAlignment = ...) -> tup
 def on_common_grid(
     a: Any, b: Any, *, align: GridAlignment = "start"
 ) -> tuple[Profile, Profile] | tuple[Surface, Surface]:
-    """Resample two profiles or two height maps to the finer spacing of the two, over the common length.
+    """Resample two profiles or two height maps to a common grid, with the finer spacing and the shorter length.
 
     Parameters
     ----------
@@ -512,7 +512,7 @@ def interpolate_rotated(surface: Surface, y: Any, x: Any, angle: float) -> tuple
     from scipy.interpolate import RectBivariateSpline
 
     (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape
-    # `source_row` and `source_column` are the position of each point of the rotated map in the original map.
+    # `source_row` and `source_column` are the positions, in the original map, of the points of the rotated map.
     source_row = ((rows - 1) * dy / 2 - x * math.sin(angle) + y * math.cos(angle)) / dy
     source_column = ((columns - 1) * dx / 2 + x * math.cos(angle) + y * math.sin(angle)) / dx
     spline = RectBivariateSpline(np.arange(rows), np.arange(columns), surface.heights)

@@ -26,9 +26,9 @@ AmplitudeMeasure = Literal["height", "Ra", "Rq"]
 Side = Literal["lower", "upper"]
 # Orientation of lines in a surface: "x" for rows, "y" for columns.
 LineOrientation = Literal["x", "y"]
-# Maximum number of points of a generated body. Its heights then take 0.8 GB of memory.
+# Maximum number of points of a generated body, whose heights then take 0.8 GB of memory.
 MAX_POINTS = 100_000_000
-# Spacings (µm) between these limits give slopes and curvatures whose powers do not overflow.
+# Smallest and largest spacing (µm) for which the powers of slopes and curvatures do not overflow.
 MIN_ACCEPTED_SPACING, MAX_ACCEPTED_SPACING = 1e-30, 1e30
 # Minimum number of points of a profile, for a natural cubic spline with two interior points.
 MIN_POINTS = 4
@@ -219,10 +219,7 @@ class Profile(Body):
 
 
 def select_from_mask(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.bool_] | None:
-    """Return the part of a mask of missing points that an index selects.
-
-    Returns None if there is no mask.
-    """
+    """Return the elements of a mask of missing points at an index or slice, or None if there is no mask."""
     return None if mask is None else mask[index]
 
 
@@ -250,7 +247,7 @@ def reject_missing_points(body: Any, operation: str) -> None:
 def scale_profile(
     heights: Floats, spacing: float, amplitude: float, measure: AmplitudeMeasure, scaled_heights: Floats
 ) -> Profile:
-    """Scale heights to an amplitude (µm), write them to the array `scaled_heights`, and return them as a profile."""
+    """Scale heights to an amplitude (µm) in the array `scaled_heights`, and return a profile with these heights."""
     check_choice("measure", measure, AmplitudeMeasure)
     amplitude = validate_number("amplitude", amplitude, unit="µm", above=0)
     if not stiction._core.scale_to_amplitude(heights, amplitude, measure, scaled_heights):

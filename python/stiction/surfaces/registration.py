@@ -22,18 +22,18 @@ MAX_ROTATION = 3.0  # degrees
 ROTATION_STEP = 0.5  # degrees
 # A shift that differs from whole points by less than this fraction of a point is rounded.
 GRID_TOLERANCE = 0.02
-# Two faces fit only if their slope correlation at all other shifts is below this fraction of the largest correlation.
+# Two faces match only if their slope correlation at every other shift is below this fraction of the largest.
 MAX_SECOND_CORRELATION_RATIO = 0.7
 # Minimum overlap of two faces along each axis, relative to the length of the shorter face.
 MIN_OVERLAP_FRACTION = 0.5
-# Minimum number of points along each axis of coarse faces whose slopes are correlated. The key is the number of
-# dimensions: 1 for profiles, 2 for maps.
+# Minimum number of points along each axis at which the slopes of coarsened faces are correlated.
+# The key is the number of dimensions: 1 for profiles, 2 for maps.
 _MIN_COARSE_POINTS = {1: 64, 2: 16}
-# Maximum number of points along each axis of coarse faces in the search for the best fit. The key is the number of
-# dimensions: 1 for profiles, 2 for maps.
+# Maximum number of points along each axis of coarsened faces in the search for the best relative position.
+# The key is the number of dimensions: 1 for profiles, 2 for maps.
 _MAX_COARSE_POINTS = {1: 2048, 2: 128}
 _MAX_REFINEMENTS = 20
-# Fractions of a Gauss-Newton step. The first fraction that decreases the rms gap is used.
+# Fractions of a Gauss-Newton step that are tried in this order until the rms gap decreases.
 _STEP_FRACTIONS = (1.0, 0.5, 0.25)
 # The registration has converged if a step moves no corner of the upper face by more than this distance (points).
 _CONVERGENCE_DISTANCE = 1e-4
@@ -173,12 +173,12 @@ def find_best_fit(upper: Any, lower: Any) -> tuple[float, tuple[int, ...]]:
 
 
 def _to_signed_offset(index: int, count: int) -> int:
-    """Convert an index of a cyclic correlation to an offset, which is negative in the upper half of the indices."""
+    """Convert an index of a cyclic correlation to an offset; indices above half the count are negative offsets."""
     return index - count if index > count // 2 else index
 
 
 def _choose_block_size(upper: Any, lower: Any) -> int:
-    """Return the side length (in points) of the blocks of which `_coarsen_face` computes the mean heights."""
+    """Return the block size (points per side) for `_coarsen_face`."""
     longest_side: int = max(*upper.heights.shape, *lower.heights.shape)
     return math.ceil(longest_side / _MAX_COARSE_POINTS[lower.heights.ndim])
 
@@ -280,7 +280,7 @@ def _convert_centre_shift_to_corner_offset(shift: tuple[float, ...], upper: Any,
 
 
 def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) -> _FacePosition:
-    """Convert the position of a coarsened upper face to that of the original face, whose middle may lie elsewhere."""
+    """Convert the position of a coarsened upper face to the original grid, where the middle may lie elsewhere."""
     shift = tuple(
         distance + (upper_points % factor - lower_points % factor) / 2 * spacing
         for distance, upper_points, lower_points, spacing in zip(
@@ -291,7 +291,7 @@ def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) 
 
 
 def _find_grid_offset(upper: Any, lower: Any, position: _FacePosition) -> tuple[int, ...] | None:
-    """Convert a position to an offset in whole points, or return None if no offset is within `GRID_TOLERANCE`."""
+    """Return the offset in whole points that matches a position within `GRID_TOLERANCE`, or None without a match."""
     steps = _convert_centre_shift_to_corner_offset(position.shift, upper, lower)
     move_of_ends = abs(position.rotation) * max(lower.heights.shape) / 2
     is_on_grid = all(abs(step - round(step)) + move_of_ends <= GRID_TOLERANCE for step in steps)
@@ -323,7 +323,7 @@ def _interpolate_rotated_face(upper: Any, distances: list[Floats], rotation: flo
 
 
 def _interpolate_overlap(upper: Any, lower: Any, position: _FacePosition) -> tuple[Any, Any]:
-    """Return the parts of two faces that overlap at a position, both at the points of the lower face.
+    """Return the overlap of two faces at a position as two bodies with heights at the points of the lower face.
 
     The overlap of maps is the largest rectangle within the rotated upper face, cut by the sides of the lower face.
     """
@@ -426,7 +426,7 @@ def _estimate_noise(gap: Any) -> float:
 
 
 def _cut_overlap(upper: Any, lower: Any, offset: tuple[int, ...]) -> tuple[Any, Any]:
-    """Return the overlapping parts of two bodies after a shift of the upper body by an offset (in points)."""
+    """Cut the overlap out of two bodies, for an offset (in points) of the upper body."""
     upper_index, lower_index = [], []
     for step, upper_points, lower_points in zip(offset, upper.heights.shape, lower.heights.shape, strict=True):
         start = max(0, step)
@@ -441,7 +441,7 @@ def _cut_overlap(upper: Any, lower: Any, offset: tuple[int, ...]) -> tuple[Any, 
 
 
 def _compute_gap(upper: Any, lower: Any) -> Any:
-    """Compute the gap between two bodies on the same grid, minus the least-squares plane or line of the gap."""
+    """Compute the gap between two bodies on the same grid, and subtract the least-squares line or plane of the gap."""
     gap = lower.changed(upper.heights - lower.heights, "gap", missing=combine_missing_masks(upper, lower))
     return levelled(gap, "line" if isinstance(gap, Profile) else "plane")
 

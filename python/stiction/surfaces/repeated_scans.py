@@ -26,13 +26,13 @@ if TYPE_CHECKING:
 
 # Minimum height range (µm) of a scan. Powers of smaller heights underflow.
 MIN_HEIGHT_RANGE = 1e-70
-# Minimum height correlation of two scans that are regarded as scans of the same area.
+# Two scans are regarded as scans of the same area if their heights have at least this correlation.
 MIN_CORRELATION = 0.5
-# Standard deviations (points) of the Gaussian filters that smooth both scans in successive alignment steps.
+# Standard deviations (points) of the Gaussian filters with which both scans are smoothed in successive alignment steps.
 _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
 # Number of Gauss-Newton steps with each Gaussian filter in the alignment of two scans.
 _NUM_REFINEMENT_STEPS = 4
-# Distance (points) of independent heights in white noise after a Gaussian filter (standard deviation one point).
+# Distance (points) of independent heights in white noise after a Gaussian filter of standard deviation one point.
 _POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
 # Number of points that spline interpolation requires beyond the overlap of two scans.
 _OVERLAP_MARGIN = 3
@@ -300,7 +300,7 @@ def _find_shift(a: Floats, b: Floats) -> Floats:
             columns = np.stack([basis_function.ravel() for basis_function in basis], axis=1)
             correction, residual = np.linalg.lstsq(columns, (smoothed_first[overlap] - second_heights).ravel())[:2]
             shift = shift + np.clip(correction[: second_heights.ndim], -2 - smoothing_width, 2 + smoothing_width)
-        # The Gaussian filter correlates the residual difference of the scans at neighbouring points.
+        # Because of the Gaussian filter, residual differences of the scans are correlated between neighbouring points.
         slope_covariances = [
             float((first_slope * slope).mean())
             for first_slope, slope in zip(_compute_slopes_along_axes(smoothed_first[overlap]), slopes, strict=True)
@@ -331,12 +331,12 @@ def _resample_at_shift(a: Floats, b: Floats, shift: Floats) -> tuple[Floats, Flo
 
 
 def _compute_slopes_along_axes(heights: Floats) -> list[Floats]:
-    """Compute the slopes of heights along each axis, as height differences per point."""
+    """Compute the slopes of heights along each axis, as the height change from one grid point to the next."""
     return list(np.gradient(heights)) if heights.ndim > 1 else [np.gradient(heights)]
 
 
 def _find_integer_shift(a: Floats, b: Floats) -> Floats:
-    """Return the shift (in whole points) with the largest correlation among shifts that overlap by over half a scan."""
+    """Return the whole-point shift of largest correlation among all shifts at which more than half a scan overlaps."""
     from scipy.fft import irfftn, next_fast_len, rfftn
 
     shape = [next_fast_len(n + m, real=True) for n, m in zip(a.shape, b.shape, strict=True)]
@@ -346,7 +346,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
     )
 
     def sum_products(power_of_a: int, power_of_b: int) -> Floats:
-        """Return, for each shift of two scans, the sum over their overlap of `a`**`power_of_a` * `b`**`power_of_b`."""
+        """Return, for each shift, the sum of `a`^`power_of_a` times `b`^`power_of_b` over the overlap of both scans."""
         return np.asarray(irfftn(transforms_of_a[power_of_a] * np.conj(transforms_of_b[power_of_b]), shape))
 
     count = np.maximum(np.rint(sum_products(0, 0)), 1)
@@ -365,7 +365,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
 def _slice_overlap(
     first_shape: tuple[int, ...], second_shape: tuple[int, ...], shift: Floats
 ) -> tuple[tuple[slice, ...], list[Floats]]:
-    """Return the overlap of two scans at a shift: slices of the first scan, fractional indices of the second scan."""
+    """Return the overlap of two scans at a shift: slices of scan 1 and fractional indices of scan 2."""
     selected_slices, positions = [], []
     for points, second_points, shift_along_axis in zip(first_shape, second_shape, shift.tolist(), strict=True):
         start = max(0, math.ceil(shift_along_axis) + (_OVERLAP_MARGIN if shift_along_axis > 0 else 0))

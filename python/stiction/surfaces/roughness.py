@@ -29,7 +29,7 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_bo
 
 DerivativeFormula = Literal["seven-point", "neighbours"]
 SEVEN_POINT_WEIGHTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
-# The decay lengths for Sal and Str are measured at this autocorrelation value, the default of ISO 25178-3.
+# Autocorrelation at which the decay lengths for Sal and Str are measured: the default of ISO 25178-3.
 DECAY_AUTOCORRELATION = 0.2
 _NUM_DIRECTIONS = 720
 _NUM_SECTORS = 90
@@ -119,9 +119,9 @@ def roughness_parameters(
 
 
 def height_and_slope_parameters(z: Floats, spacing: float, derivative: DerivativeFormula) -> dict[str, float]:
-    """Compute height and slope parameters of a profile about the mean line, named without the letter P, R or W."""
+    """Compute height and slope parameters of a profile about the mean line; the key "q" is Pq, Rq or Wq."""
     scale = float(np.abs(z).max()) or 1.0
-    # Without scaling, the fourth power of the heights could overflow or underflow.
+    # The heights are scaled, because their fourth power could overflow or underflow.
     scaled_heights = z / scale
     rms = float(np.sqrt(np.mean(scaled_heights**2)))
     differences = (
@@ -224,7 +224,7 @@ def surface_parameters(
     z = surface.heights
     deviation = z - z.mean()
     scale = float(np.abs(deviation).max())
-    # Without scaling, the fourth power of the deviation could overflow or underflow.
+    # The deviations are scaled, because their fourth power could overflow or underflow.
     deviation /= scale
     values = {
         **_compute_height_parameters(deviation, scale),
@@ -340,7 +340,7 @@ def _compute_developed_area_ratio(heights: Floats, spacing: tuple[float, float])
     for height_change_x in (corner_heights[1] - corner_heights[0], corner_heights[3] - corner_heights[2]):
         for height_change_y in (corner_heights[2] - corner_heights[0], corner_heights[3] - corner_heights[1]):
             squared_gradient = np.square(height_change_x / spacing[1]) + np.square(height_change_y / spacing[0])
-            # The form s² / (1 + sqrt(1 + s²)) of sqrt(1 + s²) - 1 avoids cancellation.
+            # sqrt(1 + s²) - 1 is computed as s² / (1 + sqrt(1 + s²)), which avoids cancellation.
             area_sum += float(np.mean(squared_gradient / (1 + np.sqrt(1 + squared_gradient)))) / 4
     return area_sum
 
@@ -355,7 +355,7 @@ def _find_decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tupl
     max_shift = [points // 2 for points in deviation.shape]
     # Half of the directions are enough, because the autocorrelation is equal in opposite directions.
     angle = math.pi * np.arange(_NUM_DIRECTIONS) / _NUM_DIRECTIONS
-    # The search proceeds in steps of half the smaller grid spacing, up to half the side length along each axis.
+    # The decay is searched for in steps of half the smaller grid spacing, up to half the side length along each axis.
     points_per_length = np.abs(np.stack([np.sin(angle) / spacing[0], np.cos(angle) / spacing[1]]))
     with np.errstate(divide="ignore"):
         max_distance = np.min(np.array(max_shift)[:, np.newaxis] / points_per_length, axis=0)

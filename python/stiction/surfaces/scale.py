@@ -31,27 +31,27 @@ _ROUGHNESS_BINS_PER_DECADE = 48
 _NOISE_BINS_PER_OCTAVE = 8
 # Widths (octaves) of the windows in which the exponent of a spectrum is fitted.
 _WINDOW_OCTAVES = (1.0, 2.0)
-# A spectrum contains noise if it falls more slowly than the spectrum of a surface with Hurst exponent 0.
-# The exponents of measured and surface spectrum must differ by at least this number of standard deviations.
+# A spectrum contains noise if it falls more slowly with the wave number than the spectrum of a surface with H = 0.
+# The exponents of the two spectra must differ by at least this number of standard deviations.
 _MIN_EXPONENT_DEVIATIONS = 3.0
-# A hump in the spectrum is attributed to the instrument at wavelengths up to this limit (points), else to the surface.
+# A hump in the spectrum is attributed to the instrument if its wavelength (points) is at most this limit.
 _MAX_HUMP_WAVELENGTH_POINTS = 24.0
-# Minimum ratio of the spectral density at reliable wavelengths to the density at which noise dominates.
+# Wavelengths are reliable if their density is at least this multiple of the density at which noise dominates.
 _MIN_TRUSTED_SPECTRAL_DENSITY_RATIO = 4.0
-# A spectrum is regarded as rising if its density exceeds the lowest density at longer wavelengths by this factor.
-# Spectra of real surfaces never rise by such a factor.
+# A spectrum rises if its density at a wavelength exceeds the lowest density at longer wavelengths by this factor.
+# Spectra of real surfaces never rise by this factor or more.
 _MIN_DENSITY_RATIO_OF_RISE = 3.0
 # Noise is negligible if it contributes at most this fraction of the mean square slope of a scan.
 MAX_UNATTRIBUTED_FRACTION = 0.1
 # Ratio of a filter's cutoff to the wavelength that the filter must remove.
 # At a ratio of 1.9, a Gaussian filter transmits 8 % of the amplitude.
 CUTOFF_WAVELENGTH_RATIO = 1.9
-# A fraction of the mean square slope below this limit is round-off.
+# Fraction of the mean square slope below which a contribution counts as round-off.
 _MIN_SLOPE_FRACTION = 1e-4
 # Minimum spectral exponent of a rough surface in the shortest octave of a scan, where aliasing flattens spectra.
 _MIN_ALIASED_SURFACE_EXPONENT = 0.6
 # A spectrum with texture harmonics is regarded as free of noise if it falls with at least this exponent.
-# In 1080 generated turned profiles (feeds of 15 to 500 points), the limit reduces false detections from 22 to 8.
+# This limit reduces false detections from 22 to 8 in 1080 generated turned profiles with feeds of 15 to 500 points.
 _MIN_TEXTURED_SURFACE_EXPONENT = 0.8
 # Heights are regarded as quantised if rounding explains at least this fraction of the mean square second difference.
 _MIN_QUANTISATION_FRACTION = 0.3
@@ -61,14 +61,14 @@ _MAX_FLAT_EXPONENT = 0.35
 _MAX_FLOOR_EXPONENT = 0.7
 # Wavelengths below this fraction of the noise limit contain only noise.
 _PURE_NOISE_WAVELENGTH_FRACTION = 0.7
-# These kinds of noise are always attributed to the instrument, and never to the surface.
+# Kinds of noise that are always attributed to the instrument, and never to the surface.
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
 # Noise densities along x and y are regarded as equal up to this ratio.
 _MAX_EQUAL_NOISE_RATIO = 2.0
-# A spectrum can hide noise if its density is at least this multiple of the noise density.
-# The ratio of spectral to noise density is below 1 to allow for random scatter.
+# A spectrum can hide noise if its density is at least this fraction of the noise density.
+# The fraction is below 1 to allow for random scatter of the spectrum.
 _MIN_HIDING_DENSITY_RATIO = 0.8
-# Noise along one axis can be hidden along the other only if at least this number of lines have independent noise.
+# At least this number of lines must have independent noise if noise along one axis is hidden along the other axis.
 _MIN_INDEPENDENT_LINES = 8.0
 # Shortest wavelength of extrapolated spectra, divided by the shortest wavelength of the scan.
 _MIN_EXTRAPOLATION_RATIO = 1e-6
@@ -130,7 +130,7 @@ class ScaleDependentRoughness(TextReprMixin):
         return np.asarray(1 - np.square(self.gradient_at(wavelength) / self.gradient[-1]))
 
     def continued(self, wavelength: ArrayLike, estimate: HurstEstimate) -> Floats:
-        r"""Return the rms slope due to all wavelengths at or above a wavelength (µm), extrapolated by a power law.
+        r"""Return the rms slope of all wavelengths down to a given wavelength (µm), extrapolated by a power law.
 
         The power law of `estimate` adds the wavelengths that are too short for the scan.
 
@@ -197,11 +197,11 @@ def fitted_and_limiting_power_laws(estimate: HurstEstimate) -> tuple[HurstEstima
 
 
 def extrapolated_mean_square_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
-    """Return the mean square slope of a power law at wavelengths from its fitted band down to a given limit (µm)."""
+    """Return the mean square slope of an extrapolated power law, from the fitted band down to a wavelength (µm)."""
     exponent = 2 - 2 * estimate.value
     start, end = 2 * math.pi / estimate.shortest_wavelength, 2 * math.pi / np.asarray(wavelength)
     ratio = np.log(end / start)
-    # expm1 keeps the integral accurate for exponents close to 0.
+    # `expm1` keeps the integral accurate for exponents close to 0.
     integral = start**exponent * (np.expm1(exponent * ratio) / exponent if exponent != 0 else ratio)
     return np.asarray(estimate.prefactor / (estimate.dimensions * math.pi) * integral)
 
@@ -291,7 +291,7 @@ def mean_square_height_spectrum(body: Profile | Surface, *, periodic: bool = Fal
 
 
 def _interpolate_log_log(wavelength: Floats, values: Floats, target_wavelengths: ArrayLike) -> Floats:
-    """Interpolate a function of wavelength linearly on logarithmic axes, with 0 beyond the longest wavelength."""
+    """Interpolate a function of wavelength linearly on logarithmic axes; return 0 above the longest wavelength."""
     wavelengths = float_array("wavelength", target_wavelengths)
     if not (wavelengths > 0).all():
         raise ValueError(f"wavelength must be above 0 µm, got {short_repr(target_wavelengths)}")
@@ -362,7 +362,7 @@ class InstrumentLimit(TableReprMixin):
 
     @property
     def matters(self) -> bool:
-        """True if wavelengths below the limit contribute more than a tenth of the scan's mean square slope."""
+        """True if wavelengths below the limit contribute more than a tenth of the mean square slope of the scan."""
         return self.slope_fraction > MAX_UNATTRIBUTED_FRACTION
 
 
@@ -536,7 +536,7 @@ def cutoff_for_slope_fraction(roughness: ScaleDependentRoughness, fraction: floa
         log_lower, log_upper = (
             (log_middle, log_upper) if transmitted_fraction > 1 - fraction else (log_lower, log_middle)
         )
-    # The cutoff is rounded to two digits, so that repeated scans usually get the same cutoff.
+    # The cutoff is rounded to two digits, so that repeated scans of a surface usually get the same cutoff.
     return max(lower, float(f"{math.exp(log_upper):.1e}"))
 
 
@@ -580,7 +580,7 @@ def _count_independent_lines(transform: NDArray[np.complex128], *, periodic: boo
 
 
 def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: list[float]) -> tuple[bool, float]:
-    """Compare the noise of a map along x with the noise along y; at least one of the spectra must contain noise.
+    """Compare the noise of a map along x and along y, if the spectrum along at least one axis contains noise.
 
     White noise has the same variance along both axes, so its densities are proportional to the spacings.
 
@@ -626,19 +626,19 @@ def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: li
 class _NoiseAndTexture(NamedTuple):
     """Noise and periodic texture in a line spectrum: the wavelength limit of the noise, and the texture period."""
 
-    # Upper limit (µm) of the wavelengths that noise affects. It is NaN without noise.
+    # Longest wavelength (µm) that noise affects, or NaN without noise.
     wavelength_limit: float
     noise_kind: str
     # Contribution of noise to the mean square slope of the profile or map lines.
     mean_square_slope: float
-    # Wavelength (µm) of a periodic texture. It is NaN without a texture.
+    # Wavelength (µm) of a periodic texture, or NaN without a texture.
     period: float
 
 
 def _find_noise_and_texture(
     q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool, textured: bool
 ) -> _NoiseAndTexture:
-    """Find the texture period in a line spectrum, and the noise: wavelengths due to neither texture nor roughness."""
+    """Find the texture period in a line spectrum, and the wavelength below which noise dominates."""
     first_harmonic, harmonic_distance = find_texture_harmonics(density)
     period = 2 * math.pi / (float(q[0]) * first_harmonic)
     if first_harmonic > 0:
@@ -669,7 +669,7 @@ def _find_noise_and_texture(
 def _falls_like_surface(q: Floats, density: Floats, wavelength_limit: float) -> bool:
     """Return whether a spectrum with texture harmonics falls towards short wavelengths as steeply as surface spectra.
 
-    Noise that matters exceeds the harmonics at short wavelengths, and flattens this spectrum too. Cusps of unequal
+    Noise that matters exceeds the harmonics at short wavelengths, and flattens their spectrum too. Cusps of unequal
     depth raise only the density between the harmonics.
     """
     end, start = float(q[-1]) * ROUND_OFF_FACTOR, 2 * math.pi / wavelength_limit
@@ -753,7 +753,7 @@ def _fit_line_slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, floa
 
 
 def _is_noise_floor(wavelengths: Floats, density: Floats, chance_variance: Floats, limit: float) -> bool:
-    """Return whether a spectrum is nearly flat below the wavelength `limit` (µm), and flat in the shortest octave."""
+    """Return whether a spectrum has a noise floor: nearly flat below `limit` (µm), and flat in the shortest octave."""
     for max_wavelength, max_exponent in (
         (_PURE_NOISE_WAVELENGTH_FRACTION * limit, _MAX_FLOOR_EXPONENT),
         (2.01 * float(wavelengths[-1]), _MAX_FLAT_EXPONENT),
@@ -791,7 +791,7 @@ def _fit_window_exponents(
 def _find_flattening_bin(
     window_fits: list[tuple[int, int, float, float]], points: Floats, density: Floats, chance_variance: Floats
 ) -> int | None:
-    """Return the bin of lowest density in the first window where a falling spectrum becomes flatter than roughness.
+    """Return the lowest-density bin of the first window in which a spectrum, after falling, is flatter than roughness.
 
     Returns None if there is no such window.
     """
@@ -809,7 +809,7 @@ def _find_flattening_bin(
 
 
 def _find_bin_before_rise(points: Floats, density: Floats, chance_variance: Floats) -> int | None:
-    """Return the bin with the lowest density before a strong rise towards short wavelengths.
+    """Return the bin with the lowest density before the density rises strongly towards short wavelengths.
 
     Returns None without a rise.
     """
@@ -829,7 +829,7 @@ def _find_bin_before_rise(points: Floats, density: Floats, chance_variance: Floa
 
 
 def _is_quantised(body: Profile | Surface) -> bool:
-    """Return whether the rounding of heights to a step is a main cause of a body's noise."""
+    """Return whether rounding of the heights to a step explains a large fraction of a body's noise."""
     mean_square_second_difference = float(np.square(np.diff(body.heights, 2)).mean())
     # Rounding to a step s adds noise with the variance s²/12.
     # The mean square second difference of white noise is six times its variance.

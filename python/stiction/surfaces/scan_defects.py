@@ -46,7 +46,7 @@ _MIN_SPIKE_STEP_RATIO = 0.7
 # Minimum height of a wide spike and minimum depth of a dip, in multiples of the profile's rms height.
 _MIN_SPIKE_TO_RMS_RATIO = 2.0
 
-# A scan is flat except for outliers if its height range without outliers is below this fraction of the whole range.
+# A scan counts as flat if its height range without outliers is below this fraction of its whole height range.
 MIN_HEIGHT_RANGE_RATIO = 1e-6
 
 MIN_LAY_RATIO = 2.0
@@ -57,7 +57,7 @@ The ratio is at most 1.2 for isotropic maps with 64 x 64 points.
 # Largest reported ratio of the rms slopes across and along the lay of a map.
 MAX_LAY_RATIO = 1000.0
 _NUM_STRIPS = 8
-# Minimum number of points per strip. In smaller scans, no drift of the roughness is searched for.
+# Minimum number of points per strip. A smaller scan is not checked for drift of its roughness.
 _MIN_STRIP_POINTS = 4
 MAX_DRIFT = math.log(4.0)
 """Largest reported drift of ln(rms slope). A linear fit overestimates the drift if the roughness changes abruptly."""
@@ -136,9 +136,9 @@ class ScanDefects:
 
     @cached_property
     def hidden_noise(self) -> NoiseHiddenInSpectrum | None:
-        """White noise that the scan may contain although its spectrum shows no noise floor, or None.
+        """White noise that the scan may contain although its spectrum shows no noise floor; None without such noise.
 
-        None also if visible noise already exceeds a tenth of the mean square slope, or if the scan is textured.
+        Also None if visible noise already exceeds a tenth of the mean square slope, or if the scan is textured.
         """
         if self.instrument_limit.matters or self.textured:
             return None
@@ -153,10 +153,10 @@ class ScanDefects:
         return self._find_instrument_limit_with_tip(0.0)
 
     def find_noise_slope_fraction(self, cut_off: float) -> float:
-        """Return the fraction of the mean square slope that noise contributes after a low-pass filter.
+        """Return the noise fraction of the mean square slope that remains after a low-pass filter at `cut_off` (µm).
 
-        The filter has a cutoff `cut_off` (µm). The noise is assumed to have the same spectrum below the limit of
-        `instrument_limit` as the scan. Raises a `ValueError` if the body is flat.
+        At wavelengths below `instrument_limit`, the noise is assumed to have the same spectrum as the scan. Raises a
+        `ValueError` if the body is flat.
         """
         limit = self.instrument_limit
         roughness = scale_dependent_roughness(self.body_without_outliers, periodic=self.periodic)
@@ -170,9 +170,7 @@ class ScanDefects:
         return limit.slope_fraction * noise_transmission / transmission
 
     def find_tip_limit(self, cut_off: float) -> InstrumentLimit | None:
-        """Return the shortest reliable wavelength after a low-pass filter.
-
-        Returns None if the tip does not set this limit.
+        """Return the instrument limit after a low-pass filter if the tip sets this limit, and None otherwise.
 
         The filter has the cutoff `cut_off` (µm, 0 for no filter). Returns None if no tip radius is given, if pixels or
         noise set the limit, or if shorter wavelengths contribute at most 1 % of the mean square slope. Raises a
@@ -243,7 +241,7 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
         ]  # fmt: skip
     gradients = [difference - difference.mean() for difference in differences]
     power = np.sum([np.square(np.abs(np.fft.rfftn(gradient))) for gradient in gradients], axis=0)
-    # A Fourier coefficient outside the first and the last column also represents its complex conjugate.
+    # Coefficients between the first and the last column count twice, also for their complex conjugates.
     num_columns = gradients[0].shape[-1]
     weights = np.full(power.shape[-1], 2.0)
     weights[0] = 1.0
@@ -272,7 +270,7 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
 
 
 def _fit_strip_trend(mean_square_slopes: Floats, axis: int) -> tuple[float, float]:
-    """Return the change of ln(rms slope) along an axis by a linear fit to strips, and the variance of the change.
+    """Fit a line to ln(rms slope) of strips along an axis, and return the end-to-end change and its variance.
 
     Both numbers are 0 if a strip has no measured points or no slope.
     """
@@ -306,7 +304,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     rounding_error = body.height_step / math.sqrt(12)
     if isinstance(body, Profile):
         typical_distances = np.abs(np.diff(body.heights, 2))
-        # A point beside a large second difference is also sharp, as in a spike of several points.
+        # A point beside a large second difference counts as sharp, too, as in a spike of several points.
         # At both ends of a profile, the second difference is unknown and set to 0.
         distances = maximum_filter(np.pad(typical_distances, 1), 3)
         threshold, rounding_distance = MIN_SPIKE_SHARPNESS_RATIO, math.sqrt(6) * rounding_error
@@ -317,13 +315,13 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
             np.abs(heights - np.median(heights)),
         )
         threshold, rounding_distance = MIN_SPIKE_HEIGHT_RATIO, rounding_error
-    # The rounding error is a lower limit of the usual distance, because the median of rounded heights can be 0.
+    # The median of rounded heights can be 0, so the rounding error is a lower limit of the usual distance.
     usual_distance = max(float(np.median(typical_distances)) / 0.6745, rounding_distance)
     return np.asarray(distances > threshold * usual_distance)
 
 
 def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return a mask of the outliers with abrupt flanks, which the bottom of a groove or the tip of a cusp lacks.
+    """Return a mask of the isolated outliers, which stand out abruptly, unlike the bottom of a groove or a cusp.
 
     A group of adjacent outliers is isolated if its deviation from the profile without outliers is large compared with
     the height of its flanks, or if a single step on its flanks makes up most of its height. Dips must also be deep,
@@ -336,7 +334,7 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
     min_height = _MIN_SPIKE_TO_RMS_RATIO * float(levelled(profile, "line").heights.std())
 
     def measure_from_flanks(heights: Floats, group: slice) -> Floats:
-        """Return heights near a group of outliers, measured from the line that connects the points on both sides."""
+        """Return heights around a group of outliers, measured from the line through the points on both sides."""
         start, stop = max(group.start - _NUM_FLANK_POINTS, 0), min(group.stop + _NUM_FLANK_POINTS, outliers.size)
         baseline = np.linspace(remaining_heights[start], remaining_heights[stop - 1], stop - start)
         return heights[start:stop] - baseline

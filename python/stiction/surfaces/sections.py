@@ -27,7 +27,7 @@ from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import BodyLike, as_body, reject_flat_body
 
 DEFAULT_SECTION_COUNT = 5
-# The parameter Rdc is the difference in height between these two material ratios.
+# Material ratios between which the height difference Rdc is measured.
 _RDC_MATERIAL_RATIOS = 0.2, 0.8
 
 
@@ -56,7 +56,7 @@ _INITIAL_SETTING_CLASS_INDEX = 2
 
 
 class SectionLengthError(ValueError):
-    """Error for a profile that is too short for a section length, or whose points are too far apart."""
+    """Error for a profile that is too short, or whose spacing is too large, for the required section length."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -233,7 +233,7 @@ def _compute_with_setting_class(
     results_by_class: dict[int, SectionParameters] = {}
 
     def find_matching_setting_class(index: int) -> int:
-        """Return the index of the setting class that matches Ra and RSm computed with the setting class `index`."""
+        """Compute Ra and RSm with the setting class `index`, and return the index of the class to which they belong."""
         if index not in results_by_class:
             lc = SETTING_CLASSES[index].section_length
             results_by_class[index] = _compute_with_cutoff(profile, lc, ls, sections, robust, derivative)
@@ -262,7 +262,7 @@ def _compute_with_setting_class(
                 f"{_format_length(section_lengths[matching_class])}; {remedy}"
             )
         index = next_class
-    # No setting class is consistent: results of one class require another class, and vice versa.
+    # No setting class is consistent if the results of one class require another class, and vice versa.
     if matching_class != index:
         index = max(index, max(visited_classes & {index - 1, index, index + 1}))
     elif index - 1 in possible_classes and find_matching_setting_class(index - 1) == index - 1:
@@ -273,7 +273,7 @@ def _compute_with_setting_class(
 
 
 def _format_setting_class_reasons(parameters: SectionParameters) -> str:
-    """Format Ra and RSm of a profile as the reason for the choice of a setting class."""
+    """Format Ra and RSm of a profile as the reason for a setting class, as in "Ra 0.4 µm and RSm 50 µm"."""
     spacing_text = "" if math.isnan(parameters.RSm) else f" and RSm {format_with_unit(parameters.RSm, 'µm')}"
     return f"Ra {format_with_unit(parameters.Ra, 'µm')}{spacing_text}"
 
@@ -283,7 +283,7 @@ def _format_length(length: float) -> str:
 
 
 def _min_section_length(spacing: float) -> float:
-    """Return the minimum section length (µm) for a spacing (µm): the length of the seven-point slope formula."""
+    """Return the shortest usable section length (µm) at a spacing (µm): seven points, as the slope formula needs."""
     return SEVEN_POINT_WEIGHTS.size * spacing
 
 

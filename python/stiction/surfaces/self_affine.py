@@ -267,7 +267,7 @@ def self_affine_surface(
         relative_wave_number = longest * np.hypot(i / extent_x, j / extent_y)
         is_included = relative_wave_number * shortest <= longest * ROUND_OFF_FACTOR
         if i == 0:
-            # Coefficients with j < 0 are the complex conjugates of coefficients with j > 0.
+            # For i = 0, coefficients with j < 0 are not drawn: they are complex conjugates of coefficients with j > 0.
             is_included &= j > 0
         count = int(np.flatnonzero(is_included)[-1]) + 1 if is_included.any() else 0
         if count == 0:

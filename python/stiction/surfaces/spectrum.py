@@ -98,7 +98,7 @@ class PowerSpectrum(PlotReprMixin):
 def _average_in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
     """Return mean wave number, mean density and number of harmonics of each bin of a spectrum."""
     # The first bin starts at the first wave number.
-    # Adding 1e-9 prevents round-off from moving a harmonic at the lower limit of a bin into the bin below.
+    # The number 1e-9 keeps a harmonic at the lower limit of a bin in this bin despite round-off.
     _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
     total_count = np.bincount(index, count).astype(np.float64)
     mean_wave_number = np.exp(np.bincount(index, count * np.log(q)) / total_count)
@@ -281,7 +281,7 @@ def spectral_moments(
 
 
 def is_within_wavelength_band(wave_number: Floats, shortest: float, longest: float) -> NDArray[np.bool_]:
-    """Return a mask of the wave numbers whose wavelengths are between `shortest` and `longest`.
+    """Return a mask of the wave numbers whose wavelengths lie in the band from `shortest` to `longest`.
 
     Wavelengths at the ends of the band are included in spite of round-off.
     """

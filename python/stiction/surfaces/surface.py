@@ -15,13 +15,13 @@ from stiction.surfaces.profile import MAX_POINTS, Body, Profile, select_from_mas
 
 AnyBody = TypeVar("AnyBody", bound="Profile | Surface")
 SurfaceAmplitudeMeasure = Literal["height", "Sa", "Sq"]
-# A function argument of this type can be a Profile, a Surface, or an array of heights.
+# Type of a function argument that can be a Profile, a Surface, or an array of heights.
 BodyLike = Any
 
-# The C++ core processes the heights of a map as a list, so it uses the names of profile parameters (Ra, Rq).
+# Names of amplitudes in the C++ core, which processes the heights of a map in the same way as a profile.
 _CPP_MEASURE_NAMES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
-# Smallest height range (µm) of a body, whose inverse (1/µm) is the largest.
-# Outside these limits, fourth powers of heights underflow or overflow.
+# Smallest height range (µm) of a body. The largest height range (µm) is 1 divided by this number.
+# The fourth powers of smaller heights underflow, and the fourth powers of larger heights overflow.
 _MIN_HEIGHT = 1e-50
 
 
@@ -182,7 +182,7 @@ def as_bodies(upper: Any, lower: Any, *, spacing: Any = None, unit: str = "um") 
 def parse_shape(shape: Any, *, min_count: int) -> tuple[int, int]:
     """Check that a shape has at least `min_count` rows and columns, and at most MAX_POINTS points.
 
-    Return the shape.
+    Returns the shape.
     """
     if not isinstance(shape, (tuple, list)) or len(shape) != 2:
         raise ValueError(f"shape must be (rows, columns), got {short_repr(shape)}")
@@ -193,7 +193,7 @@ def parse_shape(shape: Any, *, min_count: int) -> tuple[int, int]:
 
 
 def reject_flat_body(body: Profile | Surface) -> None:
-    """Raise a `ValueError` for a body that is flat, or whose heights are too small or too large to be squared."""
+    """Raise a `ValueError` if a body is flat, or if powers of its height range would underflow or overflow."""
     kind_name, height = type(body).__name__.lower(), float(np.ptp(body.heights))
     if height == 0:
         raise ValueError(f"{kind_name} must not be flat, because a flat {kind_name} has no roughness")

@@ -254,7 +254,7 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
     rows, columns = power.shape
     random_values = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
     phases, uniform_numbers = random_values[:, :columns], random_values[:, columns:] / (2 * math.pi)
-    # The real part of complex heights has half of their power, so the factor 2 is needed.
+    # The real part of a complex height has half of its power, which the factor 2 compensates.
     coefficients = np.sqrt(-2 * power * np.log1p(-uniform_numbers)) * np.exp(1j * phases)
     return np.asarray(ifft2(coefficients, overwrite_x=True).real)
 
@@ -280,7 +280,7 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
     measured_density = np.maximum(measured_density, _ROUND_OFF_FRACTION * measured_density.max())
     # Further rings cover the corners of the grid, where both wave numbers reach the Nyquist wave number.
     edges = np.append(edges, math.sqrt(2) * nyquist_wave_number * (1 + 1e-9))
-    # Mean spectral density of a line in each bin, for a surface with unit density in one ring.
+    # Mean spectral density of a line in each bin, for a surface whose density is 1 in one ring and 0 elsewhere.
     transverse_wave_number = np.minimum(
         np.sqrt(np.maximum(edges**2 - wave_number[:, np.newaxis] ** 2, 0)), nyquist_wave_number
     )

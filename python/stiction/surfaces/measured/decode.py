@@ -14,7 +14,7 @@ from stiction.surfaces.measured.raw import FormatError
 MAX_LINES, MAX_CELLS_PER_LINE = 25_000_000, 4_000_000
 """Largest number of lines in a text file, and largest number of cells in a line."""
 
-# Number of lines, and number of characters per line, in which the header of a known file layout is searched for.
+# The header of a known file layout is searched for in this number of lines, and of characters per line.
 MAX_FIRST_LINES, MAX_FIRST_LINE_LENGTH = 200, 1000
 # Number of characters per step when the lines of a text are classified.
 PIECE_LENGTH = 250_000
@@ -67,12 +67,12 @@ class DecodedText:
 
     @cached_property
     def line_starts(self) -> NDArray[np.int64]:
-        """Byte offset of each line's start, and of the end of the text."""
+        """Byte offset of the start of each line, followed by the offset of the end of the text."""
         line_ends = np.flatnonzero(np.frombuffer(self.data, np.uint8) == ord("\n"))
         return np.concatenate([[0], line_ends + 1])
 
     def has_words(self, lines: NDArray[np.int64]) -> bool:
-        """Return whether any of the given lines may contain a word that marks a missing point.
+        """Return whether any line in `lines` may contain a word that marks a missing point.
 
         Words in `words` that consist of the characters of numbers count as present.
         """
@@ -97,7 +97,7 @@ class DecodedText:
         return self.raw_line(line_number).decode("utf-8", "replace").strip(" \r")
 
     def nonempty_lines(self, first: int, end: int) -> list[str]:
-        """Return the lines from `first` to before `end` that are not empty."""
+        """Return the lines numbered from `first` to `end` - 1 that are not empty."""
         return [line for line_number in range(first, end) if (line := self.line(line_number)).strip("\t")]
 
     def describe_line(self, line_number: int) -> str:
@@ -129,9 +129,9 @@ class DecodedText:
 
     @cached_property
     def character_type_bits(self) -> NDArray[np.uint8]:
-        """Types of characters that occur in each line, as a bit mask per line."""
+        """Bit mask for each line, with one bit per type of character that occurs in the line."""
         starts, bits_of_pieces, first_line = self.line_starts, [], 0
-        # Pieces that fit into the processor's cache reduce the time by a third.
+        # The text is classified in pieces that fit into the processor's cache, which reduces the time by a third.
         while first_line < len(self):
             end_line = max(first_line + 1, int(np.searchsorted(starts, starts[first_line] + PIECE_LENGTH, "right")) - 1)
             piece = self.data[starts[first_line] : starts[end_line]].translate(_CHARACTER_KIND_TABLE)
@@ -143,7 +143,7 @@ class DecodedText:
 
     @cached_property
     def line_kinds(self) -> NDArray[np.uint8]:
-        """Kind of each line in the text: blank line, line of numbers, or other text."""
+        """Code for the kind of each line in the text: blank line, line of numbers, or other text."""
         bits = self.character_type_bits
         kinds = np.full(bits.size, NUMBER_LINE_CODE, np.uint8)
         kinds[bits & (_DIGIT_BIT | _NON_NUMBER_CHARACTER_BIT | _NUMBER_SYMBOL_BIT) == 0] = BLANK_LINE_CODE
@@ -181,7 +181,7 @@ def decode_text(data: bytes, words: tuple[str, ...] = ()) -> DecodedText:
     long.
     """
     encoding, text = _to_utf8(data)
-    # DOS marks the end of a file with this character.
+    # DOS marks the end of a text file with the character 0x1A.
     text = text.rstrip(b"\x1a")
     if not text or text.isspace():
         raise FormatError("contains only blanks")
@@ -190,7 +190,7 @@ def decode_text(data: bytes, words: tuple[str, ...] = ()) -> DecodedText:
     if not text.isascii():
         for minus_sign in ("\u2212", "\uff0d", "\ufe63"):
             text = text.replace(minus_sign.encode(), b"-")
-        # UTF-8 bytes of three kinds of space that separate groups of three digits.
+        # Bytes of three kinds of Unicode spaces, which may separate groups of three digits.
         space_pattern = b"(?:\xc2\xa0|\xe2\x80\xaf|\xe2\x80\x89)"
         text = re.sub(rb"(?<=[0-9])" + space_pattern + rb"(?=[0-9]{3}(?![0-9]))", b"", text)
         text = re.sub(space_pattern, b" ", text)
@@ -224,7 +224,7 @@ def _to_utf8(data: bytes) -> tuple[str, bytes]:
     else:
         return "utf-8", data
     first_bytes = data[:100_000]
-    # The sample ends after a complete line, so that no character is cut in half.
+    # The decoded bytes end with a complete line, so that no character is cut in half.
     first_bytes = first_bytes[: first_bytes.rfind(b"\n") + 1] or first_bytes
     candidates = []
     for encoding in _LEGACY_ENCODINGS:

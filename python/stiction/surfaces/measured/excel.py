@@ -93,7 +93,7 @@ def _read_sheets(
 
 
 def _mark_formulas_without_values(rows: _Rows, formulas: _Rows) -> _Rows:
-    """Replace empty cells whose formula has no stored result by a word, so that these cells are not missing points."""
+    """Write a marker word into empty cells whose formula has no stored result. Such cells are not missing points."""
     marked_rows = []
     for row_index, formula_row in enumerate(formulas):
         row = rows[row_index] if row_index < len(rows) else ()
@@ -119,7 +119,7 @@ def _check_archive(data: bytes) -> bool:
         remaining_bytes, tag_count = MAX_TEXT_BYTES, 0
         for name in archive.namelist():
             end_of_chunk = b""
-            # Only sheets have rows, so any number of tags is accepted before the first row.
+            # Before the first row, any number of tags is accepted, because files other than sheets have no rows.
             tags_in_row = -math.inf
             for chunk in read_member_chunks(archive, name, remaining_bytes):
                 remaining_bytes -= len(chunk)

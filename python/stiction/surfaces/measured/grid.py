@@ -11,7 +11,7 @@ from stiction.surfaces.measured.raw import MAX_DECLARED_NUMBER, FormatError
 
 # Positions within this distance of a uniform grid, in grid steps, count as exact.
 EXACT_POSITION_TOLERANCE = 1e-3
-# Maximum distance of a point from a grid node, in grid steps, in addition to rounding of the printed position.
+# Maximum distance of a point from its grid node (grid steps), beyond the rounding of the printed position.
 MAX_GRID_OFFSET = 0.05
 MAX_NODES_PER_POINT = 4
 # Minimum grid step of rounded positions, in units of the last printed digit.
@@ -19,7 +19,7 @@ MIN_STEP_OF_ROUNDED_POSITIONS = 2.0
 # Largest distance between rounded positions and a grid, in units of the last printed digit.
 # Rounding displaces positions by up to 1 unit, and the error of the fitted grid step adds 0.2 units.
 MAX_SCATTER_DIGITS = 1.2
-# Minimum ratio of the smallest gap between grid points to the largest gap caused by rounding.
+# The smallest gap between grid points must be at least this many times the largest gap that rounding causes.
 MIN_GRID_GAP_RATIO = 4.0
 
 

@@ -22,7 +22,7 @@ from stiction.surfaces.measured.spacing_lines import (
 )
 from stiction.surfaces.measured.split import Dialect
 
-# Various programs start comment lines with these characters.
+# Characters with which various programs start comment lines.
 COMMENT_CHARACTERS = "#%!/ "
 
 _FACTOR_PATTERN = (
@@ -106,7 +106,7 @@ _POWER_OF_TEN_PATTERN = r"(?:[×x*·]\s*)?(?:10\s*(?:(?:\^|\*\*)\s*[-−+]?|[-�
 _CONVERTER_UNIT_PATTERN = (
     r"(?:V|volts?|mV|LSB|bits?|digits?|counts?|inc(?:rements?)?|levels?|gr[ae]y[ _-]?(?:levels?|values?))"
 )
-# A factor of 1 leaves the heights unchanged, so this pattern excludes it.
+# This pattern excludes a factor of 1, which leaves the heights unchanged.
 _EXCEPT_ONE_PATTERN = r"(?!\s*1(?:[.,]0*)?\s*[*×x]?\W*$)"
 _UNAPPLIED_FACTOR_PATTERN = LazyPattern(
     # This pattern matches a factor above a matrix of heights, such as "1.0e-03 *".
@@ -301,12 +301,12 @@ _NUMBERED_NAME_PATTERN = LazyPattern(r".*\b(?:profile?|scan|trace|line|track|mes
 """Regular expression for words before the number of a profile, as in "Profile 10 um"."""
 
 _WORDS_LIKE_UNITS = ("point", "points", "pt", "pts", "line", "lines", "min", "sec", "px", "pixel", "pixels")
-"""Last words of column names that look like units but are none, as in "data point" and "z min"."""
+"""Last words of column names that look like units but are no units, as in "data point" and "z min"."""
 
 
 @dataclass(frozen=True)
 class ColumnHeadings:
-    """Names and units of a table's columns, and the height unit if a header line declares a unit for heights alone."""
+    """Names and units of the columns of a table, and the height unit from a header line that mentions only heights."""
 
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
@@ -388,7 +388,7 @@ def parse_declarations(
 
 
 def _find_slope_line(lines: Sequence[str], has_names: bool) -> str:
-    """Return the header line that declares the numbers to be slopes.
+    """Return the header line that declares that the numbers are slopes.
 
     Returns an empty string if there is no such line.
 
@@ -420,7 +420,7 @@ def _find_column_units(lines: Sequence[str]) -> tuple[str, str] | None:
 
 
 def _list_plain_units(lines: Sequence[str]) -> list[tuple[str, str]]:
-    """Return pairs (unit, header line) for the lines that declare a unit without naming a quantity."""
+    """Return pairs of unit and header line, for the lines that declare a unit but name no quantity."""
     return [(match[1], line) for line in lines if (match := _PLAIN_UNIT_PATTERN.fullmatch(line))]
 
 
@@ -431,7 +431,7 @@ def _parse_height_unit(lines: Sequence[str], is_profile: bool, has_size: bool) -
     a part of this size.
     """
     plain_units = dict(_list_plain_units(lines))
-    # The header declares several units, one for each quantity or column.
+    # If the header declares several units, one for each quantity or column, all units are returned.
     if len({parse_length_unit(unit) or unit for unit in plain_units}) > 1:
         return " and ".join(plain_units), next(iter(plain_units.values()))
     for line in lines:
@@ -471,7 +471,7 @@ def _find_unit_after_height_name(line: str, is_profile: bool, has_size: bool) ->
 
 
 def is_unapplied_factor(text: str) -> bool:
-    """Return whether a header line or column name contains a factor that may apply to the heights."""
+    """Return whether a header line or column name contains a factor by which heights may have to be multiplied."""
     return (
         _UNAPPLIED_FACTOR_PATTERN.fullmatch(text) is not None
         and _NON_HEIGHT_FACTOR_PATTERN.search(text) is None
@@ -527,7 +527,7 @@ def _mentions_only_heights(line: str) -> bool:
 
 
 def _find_units(line: str) -> list[str]:
-    """Return the units of length that a header line contains.
+    """Return the units that a header line contains.
 
     Units in brackets have priority. Without such units, separate words that are units are returned.
     """
@@ -550,9 +550,7 @@ def is_unit(word: str) -> bool:
 
 
 def find_other_axis(name: str, unit: str | None) -> str | None:
-    """Return the quantity, such as "time", that a column contains instead of positions.
-
-    Returns None for positions.
+    """Return the quantity, such as "time", that a column contains instead of positions, or None for positions.
 
     The result is also None if the unit of the column is not a length, because such units are rejected elsewhere.
     """
@@ -709,7 +707,7 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
 
 
 def unit_in_column_name(cell: str) -> str | None:
-    """Return the unit at the end of a column name, as in "z (nm)", "z [nm]", "z/nm", "height in nm" or "z nm", or None.
+    """Return the unit at the end of a column name, such as "z (nm)", "z/nm" or "height in nm"; None without a unit.
 
     An unknown unit is returned unchanged, so that the column is rejected if it is used.
     """
@@ -755,7 +753,7 @@ def _split_name(name: str) -> list[str]:
 
 
 def _find_unknown_unit(name: str) -> str | None:
-    """Return the text after the axis name in a column name if the text may be a unit, or None.
+    """Return the text that follows the axis name in a column name if this text may be a unit, and None otherwise.
 
     A remark or a number is not a unit.
     """
@@ -767,7 +765,7 @@ def _find_unknown_unit(name: str) -> str | None:
 
 
 def _is_unit_word(word: str) -> bool:
-    """Return whether the last word of a column name is a unit, unlike "point" in "data point"."""
+    """Return whether a word is a unit, but not of length; words such as "point" in "data point" are excluded."""
     return word.casefold() not in _WORDS_LIKE_UNITS and NON_LENGTH_UNIT_PATTERN.fullmatch(word) is not None
 
 

@@ -48,7 +48,7 @@ _ARRAY_WITHOUT_HEIGHTS_PATTERN = re.compile(
 
 
 def _denotes_no_heights(name: str) -> bool:
-    """Return whether the name of an array in an instrument file shows that the array does not contain heights."""
+    """Return whether the name of an array in an instrument file shows that the array contains no heights."""
     words = name.replace("_", " ").replace("/", " ")
     return bool(_ARRAY_WITHOUT_HEIGHTS_PATTERN.fullmatch(name) or NON_HEIGHT_NAME_PATTERN.search(words))
 
@@ -122,8 +122,8 @@ def _read_channel(path: Path, index: int, name: str) -> RawHeights | ColumnTable
         if isinstance(channel.unit, tuple):
             raise FormatError(f"has a channel {index} ({name}) that does not contain heights; choose another channel")
         has_sizes = channel.physical_sizes is not None
-        # SurfaceTopography requires physical sizes.
-        # If the file has none, placeholders are passed, and the spacing is ignored.
+        # SurfaceTopography requires physical sizes, which some files lack.
+        # If sizes are missing, the numbers of points are passed as sizes, and the resulting spacing is ignored.
         size_arguments = {} if has_sizes else {"physical_sizes": tuple(map(float, np.atleast_1d(channel.nb_grid_pts)))}
         source = HeightProvenance(f"{reader.format()} by SurfaceTopography", column=name)
         topography = channel.topography(**size_arguments)

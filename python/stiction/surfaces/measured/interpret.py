@@ -68,7 +68,7 @@ class ReadOptions:
     words: tuple[str, ...] = ()
     # Names of the file caveats that the caller accepts.
     accept: tuple[str, ...] = ()
-    # True if the caller gives a single unit, which applies to heights, and to positions without a unit in the file.
+    # True if the caller gives one unit, for the heights and for positions that have no unit in the file.
     one_unit: bool = False
 
 
@@ -151,7 +151,7 @@ _Body = TypeVar("_Body", bound=Profile | Surface, covariant=True)
 
 @dataclass(frozen=True)
 class InterpretedScan(Generic[_Body]):
-    """Profile or height map read from a file, with height unit, number of missing points, and caveats of the file."""
+    """Profile or height map read from a file, with height unit, number of missing points, and file caveats."""
 
     body: _Body
     unit: str
@@ -255,7 +255,7 @@ def _make_profile_or_surface(
         code_caveats = [item for item in remaining_caveats if item.name == "repeated-extreme"]
         raise FormatError("; ".join([str(error), *map(str, code_caveats)])) from None
     history = (f"read from {name}", *raw.history, *steps, *crop_and_fill_steps)
-    # A body shares read-only heights instead of copying them.
+    # Read-only heights are shared with the body instead of being copied.
     heights = make_read_only(heights) if heights.base is None else heights
     body = kind(heights, spacing=spacing[0] if kind is Profile else spacing, history=history, missing=missing)
     return InterpretedScan(body, unit, num_missing, remaining_caveats)
@@ -267,7 +267,7 @@ def _make_profile_or_surface(
 def _parse_position_and_height_units(unit: Any) -> tuple[str | None, str | None]:
     """Return the user's units of positions and of heights.
 
-    A single unit applies to both.
+    A single unit applies to positions and heights.
     """
     pair = unit if isinstance(unit, tuple) else (unit, unit)
     if len(pair) != 2 or not all(
@@ -292,7 +292,7 @@ def _parse_length(name: str, text: Any, *, allows_zero: bool = False) -> Quantit
 def _resolve_unit(quantity_name: str, declared_unit: str | None, given_unit: str | None) -> str:
     """Return the unit of positions or heights: the unit in the file or, without one, the caller's unit.
 
-    Raises `FormatError` if neither is given, or if the two disagree.
+    Raises `FormatError` if there is no unit, or if the units of file and caller disagree.
     """
     file_unit = None if declared_unit is None else parse_length_unit(declared_unit)
     if declared_unit is not None and file_unit is None:
@@ -312,7 +312,7 @@ def _resolve_unit(quantity_name: str, declared_unit: str | None, given_unit: str
 
 
 def _choose_position_unit(raw: RawHeights, options: ReadOptions) -> str | None:
-    """Return the caller's unit of positions, or None if the file declares a unit that takes precedence.
+    """Return the unit of positions that the caller gives, or None if the file declares a unit that takes precedence.
 
     The file's unit takes precedence over a single unit that the caller gives for all lengths.
     """
@@ -366,7 +366,7 @@ def _convert_heights(raw: RawHeights, options: ReadOptions) -> tuple[Floats, str
 
 
 def _choose_height_unit(raw: RawHeights, given: str | None) -> tuple[str, list[FileCaveat], list[str]]:
-    """Return the unit of the heights, with caveats and history entries.
+    """Choose the unit of the heights, and return the unit, caveats, and history entries.
 
     If the file declares a factor with a unit, this unit has priority.
     """
@@ -417,7 +417,7 @@ def _describe_unclear_spacing(raw: RawHeights) -> str:
 
 
 def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> None:
-    """Raise `FormatError` if no unit of length makes a header's spacing without a unit equal to the user's spacing.
+    """Raise `FormatError` unless the header's spacing without a unit equals the user's spacing in some unit of length.
 
     Two spacings in a header line of uncertain meaning must equal the user's spacings in either order.
     """
@@ -523,7 +523,7 @@ def _determine_profile_spacing(
                 _find_worst_unexplained_deviation(x, direction * given, resolution, MAX_STEP_UNEVENNESS * given)
                 is not None
             ):
-                # Unequally spaced positions are reported before a contradiction to the option spacing.
+                # Unequally spaced positions are reported first, before positions that contradict the option `spacing`.
                 _reject_uneven_positions(x, mean_spacing, resolution)
                 numbering_hint = "".join(f"; {caveat.remedy}" for caveat in raw.caveats if caveat.name == "numbering")
                 raise FormatError(
@@ -554,11 +554,11 @@ def _determine_profile_spacing(
 
 
 def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[FileCaveat]:
-    """Return a caveat if the first or last height of a column equals the user's spacing in any unit of length."""
+    """Return a caveat if the first or last number in a column of heights may be the spacing, in any unit of length."""
     if given is None or raw.positions is not None or any(caveat.name == "first-number" for caveat in raw.caveats):
         return []
     end_numbers = {"first": float(raw.heights[0])}
-    # In an unnamed column of heights, the last number may be the spacing.
+    # In a column of heights without a name, the last number may be the spacing.
     if raw.source.column in ("", "column 0"):
         end_numbers["last"] = float(raw.heights[-1])
     for end_name, number in end_numbers.items():
@@ -578,7 +578,7 @@ def _find_declared_spacing(raw: RawHeights) -> tuple[float, float] | None:
 
 
 class _PositionResolution:
-    """Place value (µm) of the last printed digit of each position, computed on first use."""
+    """Resolution of printed positions: place value (µm) of each position's last digit, computed on first use."""
 
     def __init__(self, raw: RawHeights, unit: str) -> None:
         self._raw, self._unit = raw, unit
@@ -595,7 +595,7 @@ class _PositionResolution:
 def _find_worst_unexplained_deviation(
     x: Floats, spacing: float, resolution: _PositionResolution, slack: float
 ) -> tuple[int, float] | None:
-    """Return index and deviation of the most uneven position, or None if rounding explains all deviations from a grid.
+    """Return index and deviation of the point farthest from a uniform grid, or None if rounding explains the deviation.
 
     The place values of the printed digits are computed only if the exact positions deviate from a uniform grid.
     """
@@ -607,13 +607,13 @@ def _find_worst_unexplained_deviation(
 def _find_worst_position_deviation(
     x: Floats, spacing: float, last_digit_values: Floats, slack: float
 ) -> tuple[int, float] | None:
-    """Return index and deviation of the position farthest from its grid point, beyond rounding to its last digit.
+    """Return index and deviation of the position that deviates most, beyond rounding, from a uniform grid.
 
     Returns None if rounding explains all deviations.
     """
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
-    # Rounding to the last digit changes the distance from first to last point by up to one unit, truncation by less.
+    # Rounding of both end positions changes their distance by up to one unit of the last digit, truncation by less.
     tolerance = np.maximum(last_digit_values, np.linspace(last_digit_values[0], last_digit_values[-1], x.size)) * (
         1 + 1e-6
     )

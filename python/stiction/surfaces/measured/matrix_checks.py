@@ -1,4 +1,4 @@
-"""Checks that a table without column names is a matrix of heights, and not a list of points, statistics or a profile.
+"""Checks that a table without column names is a matrix of heights: not a point list, statistics or a profile.
 
 A matrix of heights has columns of one kind, in rows that follow each other. Tables of another kind are recognised by
 their numbers alone, because nothing else in the file distinguishes them.
@@ -25,7 +25,7 @@ MIN_POINT_ROWS = 12
 # Maximum number of rows or columns of statistics, such as means, along one edge of a matrix.
 MAX_STATISTIC_LINES = 6
 # Largest deviation of a printed statistic from the computed statistic, in standard deviations of the heights.
-# Rounding of a printed statistic causes smaller deviations, and a row of measured heights deviates more.
+# A rounded statistic deviates less from the computed statistic, and a row of measured heights deviates more.
 MAX_STATISTIC_DEVIATION = 2e-3
 # Maximum number of heights per text line of a profile that is written in several lines.
 MAX_WRAPPED_COLUMNS = 32
@@ -35,7 +35,7 @@ MIN_WRAPPED_LINES = 3
 MAX_LIKELIHOOD_RATIO = 100.0
 # The search for a wrapped profile ignores heights beyond this number of median deviations from the median height.
 MAX_DEVIATION_IN_LINES = 8.0
-# Minimum ratio of mean square height differences in a wrapped profile: neighbours in a column to neighbours in a line.
+# In a wrapped profile, neighbours in a column differ more than neighbours in a line, by this mean square ratio.
 MIN_COLUMN_TO_LINE_DIFFERENCE_RATIO = 2.0
 
 _SUMMARY_STATISTICS: tuple[tuple[str, Callable[..., Any]], ...] = (
@@ -112,7 +112,7 @@ def find_grid_columns(values: Floats) -> tuple[int, int] | None:
     rows, count = values.shape
     if count < 3 or rows < MIN_GRID_POINTS:
         return None
-    # For each column, the dict contains the number of different positions, and the index of the position in each row.
+    # For each column: number of different positions, and index of the position in each row.
     positions: dict[int, tuple[int, Any]] = {}
     for column in range(min(count, MAX_POINT_COLUMNS) if count <= MAX_POINT_COLUMNS else 2):
         if np.isfinite(values[:, column]).all():
@@ -133,7 +133,7 @@ def find_grid_columns(values: Floats) -> tuple[int, int] | None:
 
 
 def _describe_unlike_columns(values: Floats, column_numbers: Sequence[int]) -> str | None:
-    """Describe a column of integers, equal numbers or unit vectors, none of which are heights, or return None."""
+    """Describe the first columns that cannot be heights (integers, equal numbers or unit vectors), or return None."""
     rows, count = values.shape
     if count > MAX_POINT_COLUMNS or rows < max(MIN_POINT_ROWS, 3 * count) or np.isnan(values).any():
         return None
@@ -154,14 +154,11 @@ def _describe_unlike_columns(values: Floats, column_numbers: Sequence[int]) -> s
 
 
 def _find_statistics(values: Floats) -> str | None:
-    """Describe the outer rows or columns of a matrix that contain statistics of the other numbers, or return None.
-
-    An example of such statistics is a last row with the mean of each column.
-    """
+    """Describe outer rows or columns of a matrix that contain statistics, such as column means, or return None."""
     for axis, line_kind in ((0, "row"), (1, "column")):
         lines = values if axis == 0 else values.T
         for side, ordered_lines in (("last", lines), ("first", lines[::-1])):
-            # Most matrices contain no statistics, so a few columns are first compared with their statistics.
+            # Most matrices contain no statistics, so all columns are checked only if a few columns agree.
             sample = np.linspace(0, lines.shape[1] - 1, min(8, lines.shape[1])).astype(int)
             for count in range(1, min(MAX_STATISTIC_LINES, lines.shape[0] - 4) + 1):
                 name = _find_statistic_name(ordered_lines[:, sample], count)
@@ -179,7 +176,7 @@ def _find_statistic_name(lines: Floats, count: int) -> str | None:
     if not np.isfinite(lines).all():
         return None
     tolerance = MAX_STATISTIC_DEVIATION * float(heights.std())
-    # Lines of equal numbers always agree with their own statistics, so they are no evidence of statistics.
+    # Equal numbers always agree with their statistics, so lines of equal numbers are no evidence of statistics.
     if min(float(np.median(np.ptp(heights, axis=0))), float(np.ptp(last_line))) <= 50 * tolerance:
         return None
     for name, statistic in _SUMMARY_STATISTICS:

@@ -1,4 +1,4 @@
-"""Checks that report implausible heights and spacings of a scan as named caveats."""
+"""Plausibility checks of scans, which report implausible heights and spacings as named caveats."""
 
 from __future__ import annotations
 
@@ -20,26 +20,27 @@ from stiction.surfaces.measured.raw import FileCaveat
 MIN_MISSING_CODE_REPEATS = 2
 # Minimum distance of a code for missing points from the other heights, as a multiple of the range of these heights.
 MIN_MISSING_CODE_DISTANCE = 2.0
-# Minimum distances of a repeated and of a common code (such as 9999), as fractions of the other heights' range.
+# Minimum distance of a code for missing points from the other heights, as a fraction of the range of these heights.
+# The first number applies to a repeated code, and the second number to a common code such as 9999.
 MIN_REPEATED_CODE_DISTANCE, MIN_KNOWN_CODE_DISTANCE = 0.5, 0.25
 KNOWN_MISSING_CODES = frozenset(
     [sign * number for sign in (1, -1) for number in (999, 9999, 99999, 999999)]
     + [-(2**15), 2**15 - 1, 2**16 - 1, -(2**31), 2**31 - 1, 2**32 - 1]
 )
-# Minimum number of different heights of a scan that is searched for codes for missing points.
+# Codes for missing points are searched for only if a scan has at least this number of different heights.
 MIN_DISTINCT_HEIGHTS = 5
 # Maximum number of different codes for missing points below, and above, all measured heights.
 MAX_MISSING_CODES = 4
 # Minimum distance of a code for missing points from the median height, in median absolute deviations.
 MIN_CODE_DEVIATION = 3.0
-# Maximum number of heights of a scan from which the median and the frequency of each height are estimated.
+# Maximum number of heights from which the median height and the frequency of each height are estimated.
 MAX_SAMPLED_HEIGHTS = 65_536
 # Minimum number of different heights of a scan that is searched for unusually frequent heights.
 MIN_COMPARED_HEIGHTS = 20
 # Number of neighbouring heights, on each side, with which the frequency of a height is compared.
 NUM_NEIGHBOURS = 12
-# Let m be the median frequency of similar heights. A height is unusually frequent if it occurs at least
-# MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) times.
+# Let m be the median frequency of similar heights.
+# A height is unusually frequent from MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) occurrences upwards.
 MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
 # Smallest and largest fraction of points with the same height for a caveat about an unusually frequent height.
 MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4
@@ -52,10 +53,10 @@ MAX_REPEATED_ROWS = 0.9
 # A run of equal heights in a profile gets a caveat if it has at least 8 points.
 # The probability that rounding causes a run of equal heights must also be at most 1e-4.
 MIN_EQUAL_RUN_LENGTH, MAX_RUN_PROBABILITY = 8, 1e-4
-# The height range in a header is wrong if the height range of the scan is at least 10 times larger.
-# A height range that is smaller than declared by a power of 1000 (within 10 %) indicates a wrong unit.
+# The height range that a header declares is wrong if the heights of the scan have a range at least 10 times larger.
+# A range of heights that is a power of 1000 smaller than declared (within 10 %) indicates a wrong unit.
 MAX_RATIO_TO_DECLARED_HEIGHT_RANGE, MAX_UNIT_FACTOR_DEVIATION, UNIT_FACTOR = 10.0, 0.1, 1000.0
-# Minimum number of points of a scan whose heights are checked. Smaller arrays may be examples.
+# Minimum number of points for plausibility checks of heights. Smaller arrays may be examples for demonstration.
 MIN_CHECKED_POINTS = 20
 # Smallest plausible spacing (1 Å), largest plausible spacing (1 cm) and largest plausible extent (1 m), in µm.
 MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6
@@ -70,11 +71,11 @@ class ScannedHeights:
     spacing: tuple[float, ...]
     # Conversion factor from the numbers in the file to µm.
     factor: float = 1.0
-    # False for heights that were passed as an array. They may be computed, so some checks do not apply.
+    # False for heights that were passed as an array. They may have been computed, so some checks do not apply.
     from_file: bool = True
     # Range (µm) of the heights in the header of the file.
     declared_range: float | None = None
-    # True for numbers read from text. Whole numbers in text may be counts of a converter.
+    # True for heights read from text, where whole numbers may be counts of an analogue-to-digital converter.
     from_text: bool = True
 
     @cached_property
@@ -95,7 +96,7 @@ class ScannedHeights:
 
 
 class PlausibilityCheck(NamedTuple):
-    """Plausibility check of a scan: name of the check, function that yields findings, and remedy for a finding."""
+    """Plausibility check of a scan: name, function that yields findings, and remedy for the findings."""
 
     name: str
     find: Callable[[ScannedHeights], Iterator[str]]
@@ -130,7 +131,7 @@ def _find_repeated_extremes(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _to_number_in_file(height: float, scan: ScannedHeights) -> float:
-    """Return the number that the file contains for a height (µm)."""
+    """Convert a height (µm) back to the number that the file contains."""
     return float(f"{height / scan.factor:.12g}")
 
 
@@ -159,7 +160,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
     if near_sample.size > MIN_DISTINCT_HEIGHTS and not has_gap:
         return []
     is_far = (heights < median - max_near_deviation) | (heights > median + max_near_deviation)
-    # A sample suffices to exclude codes: a gap next to a code is at least as wide in a sample as in all heights.
+    # A subset of the heights suffices to exclude codes, because gaps next to codes are at least as wide in the subset.
     gaps = np.diff(np.sort(np.concatenate([heights[is_far], [near_sample.min(), near_sample.max()]])))
     if not is_far.any() or (near_sample.size > MIN_DISTINCT_HEIGHTS and not (gaps > max_gap).any()):
         return []
@@ -179,7 +180,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
         ),
         key=sum,
     )[1:]
-    # Each candidate contains a possible code, its distance from the other heights, and the range of these heights.
+    # An entry of `candidates` contains a possible code, its distance from other heights, and the range of the others.
     candidates = []
     for num_low_codes, num_high_codes in code_counts:
         remaining_values = ordered_heights[num_low_codes : ordered_heights.size - num_high_codes]
@@ -317,7 +318,7 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _count_copies(heights: Floats) -> int:
-    """Return 2 or 3 if a list of heights consists of two or three identical parts, and 1 otherwise.
+    """Return 2 or 3 if a list of heights consists of two or three copies of a sequence, and 1 otherwise.
 
     The repetitions of a wave with a short period are not counted.
     """
@@ -375,7 +376,7 @@ def _find_excessive_height_range(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _find_contradicted_height_range(scan: ScannedHeights) -> Iterator[str]:
-    """Report a height range that is much larger than declared, or that equals the declared range in another unit.
+    """Report a height range much larger than the declared range, or smaller by a power of 1000 (probably a wrong unit).
 
     A declared range that is larger by any other factor may be the measuring range of the instrument.
     """

@@ -51,7 +51,7 @@ _LEADING_NUMBER_PATTERN = re.compile(
 """Regular expression for a decimal number, which a unit may follow. Hexadecimal and incomplete numbers do not match."""
 
 _ARCHIVE_CHUNK_SIZE = 1 << 16
-# These ZIP compression methods can be read in pieces of limited size.
+# ZIP compression methods that can be decompressed in pieces of limited size.
 _COMPRESSION_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
@@ -60,7 +60,7 @@ class FormatError(ValueError):
 
     Notes
     -----
-    It is a `ValueError`. The message names the file and the reason in one sentence.
+    `FormatError` is a `ValueError`. The message names the file and the reason in one sentence.
 
     Examples
     --------
@@ -139,7 +139,7 @@ class UnclearSpacing:
     """
 
     line: str
-    # Lengths in the header line (µm): one, or one for each axis in unknown order.
+    # Lengths (µm) in the header line: one length, or one length for each axis in unknown order.
     lengths: tuple[float, ...] = ()
 
 
@@ -164,7 +164,7 @@ PlaceValueFunction = Callable[[], Floats]
 
 @dataclass(frozen=True)
 class RawHeights:
-    """Heights of a scan file before conversion to µm, with unit, positions and spacing if the file contains these.
+    """Heights of a scan file before conversion to µm, with the unit, positions and spacing that the file contains.
 
     Missing heights are NaN.
     """
@@ -185,7 +185,7 @@ class RawHeights:
     declared_spacings: tuple[DeclaredLength, DeclaredLength] | None = None
     # Declared height and width of the map.
     size: tuple[DeclaredLength, DeclaredLength] | None = None
-    # Choices made when the file was read, such as the column of heights.
+    # Descriptions of choices made while the file was read, such as the column of heights.
     history: tuple[str, ...] = ()
     source: HeightProvenance = HeightProvenance()
     # Numbers that mark missing points according to the file.
@@ -204,7 +204,7 @@ class RawHeights:
 class WordColumn:
     """Column of words next to columns of numbers, for example a column of flags such as "OK" and "NG"."""
 
-    # Index of the column of words in its table.
+    # Index of the column of words among all columns of the table.
     place: int
     # Most frequent words in the column, with their counts.
     words: str
@@ -238,7 +238,7 @@ class ColumnTable:
     source: HeightProvenance = HeightProvenance()
     # Column numbers in the file for each column of the table, if the file has more columns.
     places: tuple[int, ...] | None = None
-    # Number of rows and first line (from 1) of each block of rows, if empty lines separate the blocks of a text.
+    # Number of rows and first line (from 1) of each block of rows, if empty lines divide a text into blocks.
     block_lengths: tuple[int, ...] = ()
     block_lines: tuple[int, ...] = ()
     caveats: tuple[FileCaveat, ...] = ()
@@ -246,10 +246,7 @@ class ColumnTable:
     word_columns: tuple[WordColumn, ...] = ()
 
     def last_digit_value_function(self, column: int) -> PlaceValueFunction | None:
-        """Return a function that computes the place value of the last printed digit of each number in a column.
-
-        Returns None if the digits are unknown.
-        """
+        """Return a function for the place values of the last printed digits in a column; None if digits are unknown."""
         digits = self.digits
         return None if digits is None else lambda: digits(column)
 
@@ -286,7 +283,7 @@ class HeaderDeclarations:
     tip_radius: DeclaredLength | None = None
     # Header line that declares the unit or the factor of the heights.
     unit_line: str = ""
-    # Header line which declares that the numbers of a profile are slopes.
+    # Header line that declares the numbers of a profile to be slopes.
     slope_line: str = ""
 
 
@@ -336,7 +333,7 @@ def parse_length_unit(text: str) -> str | None:
 
 
 def check_point_count(points: int, stored_bytes: int) -> None:
-    """Raise `FormatError` if a file declares more points than even a compressed file of this size can contain."""
+    """Raise `FormatError` if a file declares more points than a file of this size can store, even compressed."""
     if points > max(MAX_POINTS_OF_SMALL_MAP, MAX_POINTS_PER_BYTE * stored_bytes):
         raise FormatError(f"declares {points} points, but has only {stored_bytes} bytes")
 

@@ -122,7 +122,7 @@ class FileReading(Generic[_Body]):
         return "; ".join(parts)
 
     def to_json_fields(self) -> dict[str, Any]:
-        """Return how the file was interpreted (layout, column, units, caveats and others) as fields for JSON."""
+        """Return the interpretation of the file (layout, column, units, caveats and others) as JSON fields."""
         source = self.source
         return {
             "file": self.file, "layout": source.layout, "points": list(self.body.heights.shape),
@@ -380,7 +380,7 @@ def _read_profile_or_map(
     """Read a profile or height map from a file, and issue a `FormatWarning` for each caveat that is not accepted."""
     reading = _interpret_file(path, options, convert)
     for caveat in reading.caveats:
-        # With stack level 3, the warning refers to the line that calls a public function such as `read_profile`.
+        # Stack level 3 makes the warning refer to the line that calls a public function such as `read_profile`.
         warnings.warn(f"{printable_path(path)}: {caveat}", FormatWarning, stacklevel=3)
     return reading.body
 
@@ -390,7 +390,7 @@ def _interpret_file(
     options: ReadOptions,
     convert: Callable[[RawHeights, str, ReadOptions], InterpretedScan[_Body]],
 ) -> FileReading[_Body]:
-    """Read a file, and convert its content to a profile or height map with a record of the interpretation.
+    """Read a profile or height map from a file, and record how the content of the file was interpreted.
 
     Every error message starts with the path.
     """
@@ -455,7 +455,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> ReaderResult:
 
 
 def _reject_described_slopes(path: Path) -> None:
-    """Raise `FormatError` for a file of DABAM, a database of X-ray mirrors, if the description file declares slopes."""
+    """Raise `FormatError` for a .dat file of the X-ray mirror database DABAM whose description file declares slopes."""
     description = path.with_suffix(".txt")
     if path.suffix.lower() != ".dat" or not description.is_file() or description.stat().st_size > MAX_DESCRIPTION_BYTES:
         return
@@ -468,7 +468,7 @@ def _reject_described_slopes(path: Path) -> None:
 
 
 def _read_binary_file(path: Path) -> ReaderResult:
-    """Read a binary file with SurfaceTopography, although the file name ends like that of a text file."""
+    """Read a file that is binary, although its name suggests text, with the package SurfaceTopography."""
     if is_reader_installed():
         try:
             return read_instrument_file(path)

@@ -1,4 +1,4 @@
-"""Second step of reading a table: selection of the columns of heights, by options or from the numbers."""
+"""Second step of reading a table: select the columns of heights, by options or from the numbers."""
 
 from __future__ import annotations
 
@@ -52,16 +52,16 @@ MAX_TABLE_GRID_POINTS = 100_000_000
 MAX_LISTED_NAMES = 12
 # A caller can choose at most three columns: x, y and z.
 MAX_SELECTED_PROFILE_COLUMNS = 3
-# Minimum number of slightly unevenly spaced numbers that are regarded as measured positions.
+# Numbers with slightly unequal steps are regarded as measured positions if there are at least this many.
 MIN_JITTERED_POSITIONS = 8
-# Largest difference between steps of measured positions, relative to the mean step.
+# Steps of measured positions may differ by at most this fraction of the mean step.
 MAX_JITTER = 0.5
-# A surface counts as tilted if the correlation between heights and point index is at least this number in every line.
+# A surface counts as tilted if heights and point index have at least this correlation in every line.
 MIN_TILT_CORRELATION = 0.98
-# A first number with fewer decimals gets a caveat if this many following numbers have equally many decimals.
+# A first number with fewer decimals gets a caveat if the next numbers, at least this many, have equally many decimals.
 MIN_COMPARED_NUMBERS = 20
 # Minimum step of a column of positions, in units of the last printed digit.
-# If the step is below three such units, coarsely rounded heights may have equal steps by chance.
+# If the step is below three units, coarsely rounded heights may have equal steps by chance.
 MIN_STEP_DIGITS = 3.0
 NameOrIndex = str | int
 
@@ -75,7 +75,7 @@ _NUMBERING_NAME_PATTERN = LazyPattern(
 )
 _VALIDITY_COLUMN_PATTERN = LazyPattern(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0)\b.*|.*[\[(]1/0[\])]", re.I)
 _INVALIDITY_COLUMN_PATTERN = LazyPattern(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
-# These names of flag columns do not show whether 1 means valid or invalid.
+# Names of flag columns that do not show whether 1 means valid or invalid.
 _FLAG_COLUMN_PATTERN = LazyPattern(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
 # This pattern matches a multiple of a unit, such as "10 nm" but not "1 nm".
 _NUMBERED_UNIT_PATTERN = LazyPattern(r"(?!1(?:[.,]0*)?\s*[^\W\d_]+$)(?=.*[0-9]).+")
@@ -239,7 +239,7 @@ def _find_contradicting_unit_caveat(table: ColumnTable, unit: str | None) -> tup
 
 
 def _has_height_range(heights: Floats, declared: DeclaredLength) -> bool:
-    """Return whether the range of the heights equals a declared range of at least three digits."""
+    """Return whether the height range equals, within rounding, a declared range with at least three digits."""
     height_range = float(np.fmax.reduce(heights, axis=None) - np.fmin.reduce(heights, axis=None))
     return abs(height_range - declared.length) <= 0.51 * declared.digit and declared.digit <= 1e-2 * declared.length
 
@@ -346,7 +346,7 @@ def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[st
     Returns the heights and, if a number was removed, a history entry.
     """
     for place in range(min(3, heights.size - 4) if width == 1 else 0):
-        # Up to three entries at the start of the column may be counts or sizes instead of heights.
+        # Up to three numbers at the start of a column of heights may be counts or sizes.
         for leading_number_count in range(place + 1, 4):
             if heights[place] != heights.size - leading_number_count:
                 continue
@@ -367,14 +367,14 @@ def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[st
 
 
 def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
-    """Return a caveat if a column of heights may begin with a step or size, or end with the count of its heights."""
+    """Return a caveat if a column of heights may also contain a step or size at its start, or a count at its end."""
     if (
         table.values.shape != (table.values.size, 1)
         or table.values.size < MIN_COMPARED_NUMBERS + 1
         or table.row_digits is None
     ):
         return ()
-    # A spacing or a size may stand before or after the count of points.
+    # A spacing or a size may precede or follow the count of points.
     for num_trailing in (1, 2, 3):
         heights, trailing_numbers = table.values[:-num_trailing, 0], table.values[-num_trailing:, 0]
         if heights.size in trailing_numbers and (heights % 1 != 0).any():
@@ -587,7 +587,7 @@ def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
         if first_number not in (0.0, 1.0) or not np.array_equal(table.values[:, 0], first_number + np.arange(rows)):
             return table, ()
         if table.names[0].strip() and table.names[0].strip().casefold() not in ("index", "unnamed: 0") and columns == 2:
-            # The row numbers become positions, with a caveat.
+            # The row numbers stay in the table and become positions, with a caveat.
             return table, ()
         return _select_table_columns(table, range(1, columns)), ("the first column, which numbers the rows, removed",)
     is_numbered = rows > 2 and columns > 2 and not table.names and np.isnan(table.values[0, 0])
@@ -672,7 +672,7 @@ def _remove_position_column(table: ColumnTable) -> tuple[ColumnTable, tuple[str,
 
 
 def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
-    """Return whether the first line of a table contains positions, rather than heights of an evenly rising surface."""
+    """Return whether the first line of a table contains positions, instead of the heights of a tilted surface."""
     first_line = lines[0]
     other_lines = [lines[index] for index in {1, lines.shape[0] // 2, lines.shape[0] - 1} if index]
     if _has_equal_steps_as_printed(first_line, digits):
@@ -821,7 +821,7 @@ def _reject_ambiguous_columns(table: ColumnTable) -> RawHeights:
 
 
 def _describe_missing_information(table: ColumnTable) -> str:
-    """Return the end of an error message with the unit or spacing that a table lacks, or "" if it lacks neither."""
+    """Return clauses for an error message that request the unit or spacing that a table lacks; "" if both are known."""
     declared, requirements = table.declared, []
     if all(unit is None for unit in _list_column_units(table)) and declared.unit is None:
         requirements.append("the unit of lengths is required as well (--unit)")

@@ -58,9 +58,7 @@ _POINTS_REMARK_PATTERN = LazyPattern(
     r"\W*(?:nominal|mean|average|fast|along|in|lateral|horizontal|sampl\w*|points?|pixels?|px|x|axis|direction|\W)*",
     re.IGNORECASE,
 )
-"""Regular expression for a remark in brackets with which a spacing still is the distance of points along x, as in
-"spacing (sampling)".
-"""
+"""Regular expression for a remark in brackets that denotes a distance of points along x, as in "spacing (sampling)"."""
 
 _POINT_WORDS = r"px|pix|pixels?|points?|pts?|punkte?|samples?|steps?"
 _LENGTH_PATTERN = (
@@ -199,7 +197,7 @@ def _parse_spacing_line(
         and parse_length_unit(bracketed_unit) is None
         and not _POINTS_REMARK_PATTERN.fullmatch(bracketed_unit)
     ):
-        # The axis of the spacing is unknown, as in "Scan spacing (slow axis): 0.3 um".
+        # In a line such as "Scan spacing (slow axis): 0.3 um", the axis of the spacing is unknown.
         return UnclearSpacing(line.strip())
     if match is None:
         has_length = (length_match := re.match(_LENGTH_PATTERN, text, re.IGNORECASE)) and _parse_optional_unit(
@@ -211,13 +209,13 @@ def _parse_spacing_line(
         "," in number_groups[0] and text.count(",") > len(declared_numbers) * 2 - 1
         for number_groups in declared_numbers
     ):
-        # The comma may separate two spacings, or may be a decimal mark.
+        # A comma in the line may separate two spacings, or may be a decimal mark.
         return UnclearSpacing(line.strip())
     if any(
         number_groups[2] and not re.fullmatch(f"{_POINT_WORDS}|lines?|rows?|columns?", number_groups[2], re.I)
         for number_groups in declared_numbers
     ):
-        # The length may be a height resolution in nm per bit.
+        # The length in the line may be a height resolution in nm per bit.
         return None
     if is_resolution and not any(number_groups[2] for number_groups in declared_numbers):
         # The line declares the resolution of the instrument, not the spacing.
@@ -262,9 +260,9 @@ def _parse_optional_unit(unit: str | None) -> str | None:
 def find_first_match(
     pattern: LazyPattern, lines: Sequence[str], parse_match: Callable[[re.Match[str]], _T | None]
 ) -> _T | None:
-    """Return the result of `parse_match` for the first header line that begins with a pattern and can be parsed.
+    """Return the first result of `parse_match`, other than None, for header lines that begin with a pattern.
 
-    Returns None if there is no such line.
+    Returns None if no line can be parsed.
     """
     matches = (match for line in lines if (match := pattern.match(line)))
     return next((parsed for match in matches if (parsed := parse_match(match)) is not None), None)
@@ -298,7 +296,7 @@ def _parse_bare_number(number: str) -> float | None:
     try:
         return parse_positive_number(number, "as spacing")
     except FormatError:
-        # Headers often contain unused lengths, so an invalid length is ignored.
+        # An invalid length is ignored, because headers often contain lengths that are not used.
         return None
 
 
@@ -312,7 +310,7 @@ def parse_length(digits: str, unit: str | None, *, line: str) -> DeclaredLength 
     try:
         length = parse_number(digits, f"in its header line {line[:80]!r}")
     except FormatError:
-        # Headers often contain unused lengths, so an invalid length is reported only when it is used.
+        # An invalid length is reported only when it is used, because headers often contain unused lengths.
         return DeclaredLength(math.nan, 0.0, str(parse_length_unit(unit)), line)
     mantissa, _, exponent = digits.replace(",", ".").lower().partition("e")
     digit = float(f"1e{int(exponent or 0) - len(mantissa.partition('.')[2])}")

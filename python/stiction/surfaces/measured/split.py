@@ -30,7 +30,7 @@ from stiction.surfaces.measured.raw import FormatError
 _MAX_SAMPLE_LINES = 60
 # Maximum number of characters from which the separator and the decimal mark are detected.
 _MAX_SAMPLE_CHARACTERS = 10_000
-# Minimum length (characters) to which sample lines are truncated before the separator is detected.
+# Lines are truncated before the separator is detected, but never to fewer characters than this number.
 _MIN_SAMPLED_LINE_LENGTH = 200
 # Maximum number of rows of a column from which the last printed digit is determined.
 MAX_SAMPLED_ROWS = 20_000
@@ -100,7 +100,7 @@ _DIALECTS_WITHOUT_THOUSANDS_SEPARATOR = [
     Dialect("\t", "."), Dialect("\t", ","), Dialect(";", "."), Dialect(";", ","), Dialect("|", "."), Dialect("|", ","),
     Dialect(",", "."), Dialect(None, "."), Dialect(None, ","),
 ]  # fmt: skip
-# Dialects with commas both between cells and as decimal marks. Cells must be quoted.
+# Dialects in which commas both separate cells and mark decimals. Cells in such a text must be quoted.
 _QUOTED_DIALECTS = [Dialect(",", ",")]
 _THOUSANDS_DIALECTS = [
     Dialect(separator, point, thousands)
@@ -121,9 +121,9 @@ class NumberBlock:
     dialect: Dialect
     # Numbers in a table, with the shape (rows, columns).
     values: Floats
-    # First line with fewer cells, for example where the shorter of two profiles ends.
+    # First line with fewer cells than the table has columns, for example where the shorter of two profiles ends.
     first_short_line: int | None = None
-    # Line numbers of counts and sizes above the table rows.
+    # Line numbers of counts and sizes above the table, which are not table rows.
     skipped_lines: tuple[int, ...] = ()
 
     def row_cells(self, line: int) -> list[str]:
@@ -189,7 +189,7 @@ def find_numeric_line_runs(text: DecodedText) -> list[tuple[int, int]]:
 def detect_dialect(text: DecodedText, first: int, last: int) -> Dialect:
     """Detect the separator and the decimal mark with which most lines in a range can be parsed as numbers.
 
-    Raises `FormatError` if there is no such format, or if there are two.
+    Raises `FormatError` if no number format fits the lines, or if two formats fit.
     """
     sample_lines = np.unique(
         np.concatenate([np.arange(max(first, last + 1 - _MAX_SAMPLE_LINES), last + 1), np.arange(first, first + 40)])
@@ -256,7 +256,7 @@ _DATE_PATTERN = re.compile(
 
 
 def describe_remedy_of_word(word: str) -> str:
-    """Return advice for an error message about a cell that is not a number, such as a date or a word."""
+    """Return advice for an error message about a cell that contains a date, brackets or a word."""
     if _DATE_PATTERN.fullmatch(word):
         return "a spreadsheet program has converted numbers to dates; export the file again with a decimal point"
     if re.search(r"[\[\]{}]", word):
@@ -354,7 +354,7 @@ def parse_number_block(
         row_widths[num_skipped:],
         blob[starts[num_skipped] :] if num_skipped else blob,
     )
-    # Separators at the end of a row cause additional cells.
+    # Separators at the end of a row would count as additional cells, so they are removed.
     if (row_widths > usual_width).any():
         rows = [
             row.rstrip(cell_separator) if n > usual_width else row
@@ -465,7 +465,7 @@ _BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")
 
 
 def _has_adjacent_dashes(blob: bytes) -> bool:
-    """Return whether a text contains two adjacent dashes, by a test that is faster than a text search."""
+    """Return whether a text contains two adjacent dashes. Comparing pairs of bytes is faster than a text search."""
     byte_pairs = (np.frombuffer(blob, np.uint16, (len(blob) - first_byte) // 2, first_byte) for first_byte in (0, 1))
     return len(blob) >= 2 and any((pairs_at_offset == _TWO_DASHES).any() for pairs_at_offset in byte_pairs)
 

@@ -47,7 +47,7 @@ MAX_HISTORY_STEPS = 1000
 MAX_FOOTER_FRACTION = 0.1
 
 
-# Minimum number of values with equally many decimals above a truncated last number that is reported.
+# A truncated last number is reported if at least this many numbers above it have equally many decimals.
 MIN_ROWS_ABOVE_CUT_NUMBER = 50
 
 
@@ -70,7 +70,7 @@ def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
     first, last = max(runs, key=lambda run: int(text.line_starts[run[1] + 1] - text.line_starts[run[0]]))
     dialect = detect_dialect(text, first, last)
     label_line = _include_label_line(text, first, last, dialect)
-    # The word at the start of the label line is read as a missing number.
+    # The first word of the label line counts as a missing number, so that the line is read as a row.
     if label_line < first:
         first, text = label_line, replace(text, words=(*text.words, dialect.split_line(text.line(label_line))[0]))
     _reject_unreadable_line(text, dialect, len(dialect.split_line(text.line(last))), runs)
@@ -130,7 +130,7 @@ def _reject_separated_positions(text: DecodedText, runs: list[tuple[int, int]], 
 def _to_table(
     text: DecodedText, block: NumberBlock, header_start: int, word_columns: Sequence[WordColumnWithMissingLines] = ()
 ) -> ColumnTable:
-    """Convert a block of numbers to a table, with the header from line `header_start`, and with the footer."""
+    """Convert a block of numbers to a table, with the header that starts at line `header_start`, and the footer."""
     first, end = int(block.lines[0]), int(block.lines[-1]) + 1
     header, footer = (
         text.nonempty_lines(header_start, first),
@@ -186,7 +186,7 @@ def _to_table(
 
 
 def _find_cut_number(block: NumberBlock) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the last number of a text has fewer decimals than all numbers above it in the column."""
+    """Return a caveat if the last number of a file has fewer decimals than the numbers above, as if cut off."""
     start = int(block.lines.size) - MIN_ROWS_ABOVE_CUT_NUMBER - 1
     if start < 0 or (block.text.line_kinds[int(block.lines[-1]) + 1 :] == TEXT_LINE_CODE).any():
         return ()
@@ -217,7 +217,7 @@ def make_height_provenance(block: NumberBlock) -> HeightProvenance:
 
 
 def _include_label_line(text: DecodedText, first: int, last: int, dialect: Dialect) -> int:
-    """Return the first line of a table: the line above `first` if it has the positions of the columns, else `first`."""
+    """Return the line at which a table starts: line `first`, or the line above if it lists the column positions."""
     line_above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
     if line_above < 0 or dialect.separator is None:
         return first
@@ -231,7 +231,7 @@ def _include_label_line(text: DecodedText, first: int, last: int, dialect: Diale
 
 
 def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, runs: list[tuple[int, int]]) -> None:
-    """Raise `FormatError` if the line above or below a table is a row of the table with a cell that cannot be parsed.
+    """Raise `FormatError` if a line next to a table looks like a row of the table, but has a cell that is not a number.
 
     Such a line has as many cells as the rows and is not a line of labels. Most of its cells are numbers, or the next
     line away from the table has the same words.
@@ -258,7 +258,7 @@ def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, run
 def _repeats_words(
     text: DecodedText, dialect: Dialect, kinds: list[str | None], cells: list[str], other_line: int
 ) -> bool:
-    """Return whether line `other_line` has the same words in the same cells as a line; headers do not repeat."""
+    """Return whether a line repeats the words of line `other_line` in the same cells, and is therefore no header."""
     if not 0 <= other_line < len(text) or (len(cells) > 1 and "number" not in kinds):
         return False
     other_cells = dialect.split_line(text.line(other_line))
@@ -275,7 +275,7 @@ def _reject_word(text: DecodedText, line: int, word: str) -> None:
 
 
 def _are_position_labels(cells: list[str], dialect: Dialect) -> bool:
-    """Return whether the cells of a line after the first rise or fall in equal steps, like positions of columns."""
+    """Return whether all cells of a line except the first rise or fall in equal steps, like column positions."""
     matches = [dialect.number_pattern.fullmatch(cell) for cell in cells[1:]]
     if len(cells) < 5 or not all(match and (match[2] or match[3]) for match in matches):
         return False
@@ -286,7 +286,7 @@ def _are_position_labels(cells: list[str], dialect: Dialect) -> bool:
 def _find_runs_of_equal_width(
     text: DecodedText, runs: list[tuple[int, int]], main_run: tuple[int, int], dialect: Dialect
 ) -> list[tuple[int, int]]:
-    """Return the runs of number lines that have as many columns as the main run.
+    """Return the runs of number lines that have the same number of columns as `main_run`.
 
     Short runs of one or two columns above the first of these runs are left out, because they may be counts or sizes.
     """

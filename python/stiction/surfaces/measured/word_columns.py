@@ -25,7 +25,7 @@ MAX_LISTED_WORDS = 4
 
 @dataclass(frozen=True)
 class WordColumnWithMissingLines:
-    """Column of words in a text: how often each word occurs, and the lines in which a word marks a missing point."""
+    """Column of words in a text: count of each word, and lines in which a word marks a missing point."""
 
     place: int
     counts: Mapping[str, int]
@@ -46,7 +46,7 @@ def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[WordColu
         separator: _find_word_table(text, lines[:_MAX_SEPARATOR_SEARCH_LINES], separator)
         for separator in _CELL_SEPARATORS
     }
-    # Among separators with equally many columns of numbers, `max` returns the first.
+    # If several separators give equally many columns of numbers, the first separator is chosen.
     separator = max(tables_by_separator, key=lambda candidate: len(tables_by_separator[candidate].numeric_columns))
     if not tables_by_separator[separator].word_counts:
         return text, ()

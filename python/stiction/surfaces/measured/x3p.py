@@ -117,7 +117,7 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
 
 
 class _MainXml:
-    """Content of main.xml in an X3P file: the text of each XML element by path, and the lines of listed points."""
+    """Parsed main.xml of an X3P file: the text of each XML element by path, and the lines that list points."""
 
     def __init__(self, archive: zipfile.ZipFile, directory: str) -> None:
         self.directory = directory
@@ -170,7 +170,7 @@ class _MainXml:
 
 
 class _StoredAxis:
-    """Storage of positions or heights along one axis of an X3P file: data type, increment and offset."""
+    """Storage format of positions or heights along one axis of an X3P file: data type, increment and offset."""
 
     def __init__(self, root: _MainXml, name: str) -> None:
         path = f"Record1/Axes/C{name}"
@@ -225,7 +225,7 @@ def _read_shape(root: _MainXml) -> tuple[int, int]:
 def _read_columns(
     archive: zipfile.ZipFile, root: _MainXml, stored: dict[str, str], points: int
 ) -> dict[str, NDArray[Any]]:
-    """Read the numbers of all points along each axis that an X3P file stores point by point, by name of the axis."""
+    """Read the numbers that an X3P file stores for each point, as one array per axis, keyed by axis name."""
     if root.listed_points is not None:
         return _parse_listed_points(root.listed_points, list(stored), points)
     row_type = np.dtype(list(stored.items()))

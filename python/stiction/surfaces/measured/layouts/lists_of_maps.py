@@ -1,4 +1,4 @@
-r"""Recognition of files that are rejected: lists of numbers from NanoScope, CODE V and ISO 5436-2, and text images.
+r"""Detection of text files that are rejected: height lists (NanoScope, CODE V, ISO 5436-2), images and meshes.
 
 NanoScope exports a map as a column of heights. The numbers of CODE V and ISO 5436-2 (.smd, .prf) have a scale.
 

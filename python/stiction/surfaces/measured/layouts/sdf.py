@@ -61,7 +61,7 @@ def _read(text: DecodedText) -> RawHeights:
 
 
 def _is_sdf(text: DecodedText) -> bool:
-    """Return whether a text begins with an SDF version line, or with another version line above SDF declarations."""
+    """Return whether a text is an SDF file: line 1 is a known SDF version, or an unknown version above declarations."""
     if _SDF_VERSION_PATTERN.fullmatch(text.line(0)) is not None:
         return True
     matches = map(_DECLARATION_PATTERN.fullmatch, text.first_lines[1:30])

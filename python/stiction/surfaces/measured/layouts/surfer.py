@@ -22,7 +22,7 @@ from stiction.surfaces.measured.raw import FormatError, HeightProvenance, RawHei
 from stiction.surfaces.measured.split import parse_numbers_in_lines
 
 _FIRST_LINE = "DSAA"
-# Heights above this number mark missing points.
+# Heights above this number are codes for missing points.
 _MISSING_POINT_CODE = 1.7e38
 _HEADER_LINES = ("the counts of x and y", "the range of x", "the range of y", "the range of heights")
 
