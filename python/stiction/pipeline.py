@@ -1,4 +1,4 @@
-"""Completion of a result directory: missing blocks and, for a measured pair, companion results.
+"""Completion of a result directory: missing blocks of members and, for a measured pair, companion results.
 
 The contacts of a typical member and the onset of sliding are companion files. The cutoff study and the alternative
 preparations of the scans are companion studies, each in a subdirectory.
@@ -65,7 +65,7 @@ _COMPANION_FILES = {
 
 
 def _ignore_line(_: str) -> None:
-    """Discard a line of output, for runs that print nothing."""
+    """Ignore a line of output, in runs that print nothing."""
 
 
 def run(
@@ -126,7 +126,7 @@ def complete_result(
     print_remark: LinePrintFunction = _ignore_line, announce: LinePrintFunction = _ignore_line,
     show_result: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
-    """Compute the members of a study, or of a part of it, that its directory lacks, and return the result.
+    """Compute the missing members of a study, or of one part of the study, in a directory, and return the result.
 
     If no part is given, the companion results are computed too.
 
@@ -198,16 +198,16 @@ def complete_result(
 
 
 def _import_result_packages() -> None:
-    """Import, while the workers compute, the packages that later store and evaluate the result."""
+    """Import packages that store and evaluate the result, while the workers compute."""
     import_dataset_packages()
     import scipy.fft
     import scipy.special  # noqa: F401
 
 
 def _announce_pair_and_cutoff_study(stored_result: StoredResult, print_remark: LinePrintFunction, task: str) -> None:
-    """Print a line about the computation of a pair, and the time of the cutoff study that follows the result."""
+    """Print that a pair is computed, and the estimated time of the cutoff study that follows."""
     print_remark(task)
-    # The error occurs if a scan file is missing.
+    # `find_cutoff_study` fails if a scan file is missing.
     with contextlib.suppress(ValueError):
         cutoff_study = find_cutoff_study(stored_result.study, stored_result.path)
         if cutoff_study is not None and cutoff_study.open() is None:
@@ -232,7 +232,7 @@ def _compute_alternatives(
     try:
         names = find_alternatives(stored_result.study)
     except ValueError:
-        # The error occurs if a scan file is missing.
+        # `find_alternatives` fails if a scan file is missing.
         return
     for name in names:
         label = ALTERNATIVE_LABELS[name]
@@ -248,7 +248,7 @@ def _compute_alternatives(
 
 
 def _write_companion_file(stored_result: StoredResult, name: str, compute: Callable[[], Any]) -> None:
-    """Compute a companion file and write it, unless `compute` returns None or a scan file is missing."""
+    """Compute and write a companion file. Write nothing if `compute` returns None or a scan file is missing."""
     with contextlib.suppress(ValueError):
         if (dataset := compute()) is not None:
             export(dataset, stored_result.path / name, replace=True)
@@ -278,14 +278,14 @@ def compute_companion_files(
         stored_onset = load_stored_onset(stored_result)
         if onset == 0 or (stored_onset is not None and onset in (None, int(stored_onset.attrs["members"]))):
             if stored_onset is not None and (stored_result.path / ONSET_TABLE_FILE).exists():
-                # The onset table is written again, because the coefficient may have changed since the last time.
+                # The onset table is rewritten, because its coefficient may differ from the current coefficient.
                 _write_onset_table(result, stored_onset)
             return
         announce("onset of sliding")
         _print_time_if_long(print_remark, "onset of sliding", estimate_onset_time(stored_result.study, onset))
         new_onset = compute_onset(stored_result.study, executor, members=onset)
     except ValueError as error:
-        # The error occurs if a scan file is missing.
+        # A ValueError means that a scan file is missing.
         print_remark(f"cutoff study and onset are not computed: {error}")
         return
     if new_onset is not None:
@@ -294,7 +294,7 @@ def compute_companion_files(
 
 
 def _write_onset_table(result: Result, onset: xarray.Dataset) -> None:
-    """Write the onset of sliding as a table that is scaled to the result's coefficient, unless it is up to date."""
+    """Write the onset of sliding, scaled to the result's coefficient, as a table, unless the table is up to date."""
     scaled_onset = result.scale_onset(onset)
     if scaled_onset is None or result.path is None:
         return

@@ -41,17 +41,17 @@ from stiction.mechanics.half_space_problem import (
 )
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
 
-# Number of plain steps of the attraction between two extrapolated steps. Plain steps damp oscillations.
+# Number of plain steps of the attraction between two extrapolated steps. The plain steps damp oscillations.
 NUM_UNACCELERATED_STEPS = 2
 # Maximum ratio of the lengths of an extrapolated and a plain step.
 MAX_EXTRAPOLATION_FACTOR = 10.0
 # Maximum number of contact solutions for one external load, including jumps between equilibria.
 MAX_SOLVES_PER_LOAD = 2000
-# Maximum number of contact solutions for one external load of maps before the energy is minimized instead. Hard bodies
-# converge with fewer solutions. For soft bodies, the energy minimization takes fewer iterations.
+# Maximum number of contact solutions of maps under one external load before the energy is minimized instead.
+# Hard bodies converge with fewer solutions. For soft bodies, the energy minimization takes fewer iterations.
 MAX_SOLVES_BEFORE_MINIMIZATION = 6
 MAX_SOLVES_PER_CONTACT_LOAD = 60
-# Maximum number of contact solutions for one contact load in the search for the pull-off load of maps.
+# Maximum number of contact solutions of maps for one contact load in the search for the pull-off load.
 # If the attraction converges slowly, as for soft bodies, energy minimizations are faster.
 MAX_SOLVES_PER_TRIAL_CONTACT_LOAD = 12
 # Maximum number of successive contact solutions that do not reduce the residual of the attraction.
@@ -62,27 +62,27 @@ MAX_RESIDUAL_TO_TOLERANCE_RATIO = 10.0
 MIN_SOLUTION_TOLERANCE = 1e-8
 # Tolerance of a contact solution, as a fraction of the latest residual in the iteration of the attraction.
 TOLERANCE_TO_RESIDUAL_RATIO = 0.05
-# If all steps are plain, the tolerance may be larger, because plain steps do not amplify errors of the solutions.
+# Tolerance relative to the latest residual while all steps are plain. It is large, as plain steps amplify no errors.
 PLAIN_TOLERANCE_TO_RESIDUAL_RATIO = 1.0
 MAX_SOLUTION_TOLERANCE = 1e-3
-# An increase of the attraction during separation counts as numerical error below this fraction of the maximum.
+# During separation, an increase of the attraction by less than this fraction of the maximum is a numerical error.
 MAX_ATTRACTION_INCREASE = 1e-3
 # Bodies count as separate if the contact load is below this fraction of the mean attraction at first contact.
 MIN_CONTACT_LOAD_RATIO = 1e-3
 # Ratio of successive contact loads while the bodies separate.
 CONTACT_LOAD_REDUCTION_RATIO = 0.6
 # Relative tolerance of the pull-off load.
-# The search ends if a load below the lowest equilibrium load by this fraction separates the bodies.
+# The search ends if the bodies separate at a load that is below the lowest equilibrium load by this fraction.
 MINIMUM_LOAD_TOLERANCE = 0.01
-# A minimum of the external load is accepted if plain steps separate the bodies under a load lower by this fraction.
+# A load minimum is accepted if plain steps separate the bodies at an external load that is lower by this fraction.
 EXCLUDED_LOAD_MARGIN = 0.05
-# An interpolated equilibrium is computed only if its predicted load is below all computed loads by this fraction.
+# An equilibrium is interpolated only if its predicted load is below all computed loads by this fraction.
 MIN_LOAD_IMPROVEMENT = 0.003
 # External loads are interpolated between two equilibria only if their contact loads differ by at least this fraction.
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
 # Maximum number of equilibria that are computed at interpolated contact loads.
 MAX_REFINEMENT_SOLVES = 6
-# Largest relative change of the external load at which separation proves that the bodies do not support the new load.
+# After a larger relative change of the external load, separation does not prove that the new load has no equilibrium.
 MAX_LOAD_STEP = 0.1
 # Maximum number of external loads that the search for the pull-off load tries.
 MAX_TRIAL_LOADS = 40
@@ -100,15 +100,12 @@ class EquilibriumNotFoundError(NoSolutionError):
 
 @dataclass
 class _IterationState:
-    """State of the iteration towards an adhesive equilibrium.
-
-    An interrupted iteration resumes from this state.
-    """
+    """State from which an interrupted iteration towards an adhesive equilibrium resumes."""
 
     attraction: Floats
     pressure: Floats | None = None
     contact_load: float = math.nan
-    # Attraction after the plain step. The iteration returns to it if the extrapolated step loses contact.
+    # Attraction after the plain step, to which the iteration returns if the extrapolated step loses contact.
     plain_attraction: Floats | None = None
     residual: float = math.inf
     least_residual: float = math.inf
@@ -116,7 +113,7 @@ class _IterationState:
     stalled_count: int = 0
     number: int = 0
 
-    # From the number of iterated states and the best state, the caller decides when to stop the iteration.
+    # Data for the caller's decision to stop the iteration: number of iterated states, best state and residuals.
     num_states: int = 0
     best_state: AdhesionState | None = None
     best_state_number: int = 0
@@ -143,7 +140,7 @@ class _IterationState:
 
 
 def _to_array_or_number(value: Any) -> Any:
-    """Return a stored array unchanged, or a stored number as a Python number."""
+    """Return a zero-dimensional array as a Python number, and any other array unchanged."""
     return value if np.ndim(value) else np.asarray(value).item()
 
 
@@ -171,7 +168,7 @@ class AdhesionSolver:
             tolerance,
             MAX_RESIDUAL_TO_TOLERANCE_RATIO * tolerance,
         )
-        # The reason states why the pull-off load is uncertain. It is empty if the pull-off load is certain.
+        # `uncertainty_reason` states why the pull-off load is uncertain, and is empty if the load is certain.
         self.range, self.uncertainty_reason = problem.adhesion_range, ""
         self.max_attraction = problem.work_of_adhesion / self.range
         self.bound = np.array([np.inf if problem.hardness is None else problem.hardness])
@@ -196,7 +193,7 @@ class AdhesionSolver:
         self, near: AdhesionState, contact_load: float, *, earlier_state: AdhesionState,
         max_solves: int = MAX_SOLVES_PER_CONTACT_LOAD,
     ) -> AdhesionState:  # fmt: skip
-        """Compute the equilibrium at a mean contact pressure (GPa), by iteration from the nearby state `near`.
+        """Compute the equilibrium at a mean contact pressure (GPa) by iteration, starting from the state `near`.
 
         Nowhere may the attraction exceed the attraction in `earlier_state`: the bodies then support the load when they
         are pulled apart. Otherwise, or if the iteration has not converged after `max_solves` contact solutions,
@@ -255,7 +252,7 @@ class AdhesionSolver:
                     raise EquilibriumNotFoundError(
                         "the iteration between attraction and contact pressures did not converge"
                     )
-                # The first two residuals may be small by chance.
+                # The first two residuals of an iteration are ignored, because they may be small by chance.
                 if residual < min(iteration.last_residual, iteration.best_residual) and iteration.num_states > 1:
                     iteration.best_state, iteration.best_residual = state, residual
                 iteration.last_residual = residual
@@ -268,7 +265,7 @@ class AdhesionSolver:
         return _to_adhesion_state(result), bool(result["is_balanced"])
 
     def _start_iteration(self, near: AdhesionState | None) -> _IterationState:
-        """Return the state from which the iteration starts: the stored state of an interrupted run, or else `near`."""
+        """Return the first state of an iteration: the state that an interrupted run stored or, without one, `near`."""
         if (state := self.record.read_state()) is not None:
             return _IterationState.from_step_result(state)
         if near is None:
@@ -278,7 +275,7 @@ class AdhesionSolver:
     def _iterate_to_equilibrium(
         self, state: _IterationState, contact_load: Callable[[float], float], max_factor: float
     ) -> Iterator[tuple[AdhesionState, float]]:
-        """Yield the contact state and the relative change of the attraction per iteration, until the bodies separate.
+        """Yield the contact state and the relative change of the attraction after each iteration, until separation.
 
         The contact load (GPa) is a function of the mean attraction. After `NUM_UNACCELERATED_STEPS` plain steps, a step
         is extrapolated as a geometric series with the ratio of the last two changes, limited to `max_factor` times the
@@ -320,7 +317,7 @@ class AdhesionSolver:
             state.attraction = next_attraction
 
     def _solution_tolerance(self, state: _IterationState) -> float:
-        """Return the tolerance of the next contact solution, which may be coarse while the attraction still changes.
+        """Return the tolerance of the next contact solution, which is coarse while the attraction still changes.
 
         The tolerance is proportional to the residual of the iteration, within limits.
         """
@@ -410,9 +407,9 @@ class AdhesionSolver:
         if self._is_minimum_certain(states, first_states[-1]):
             return states
         # An equilibrium that was computed for a contact load may be unstable under its external load.
-        # Energy minimizations may start only from the equilibria in `stable_states`.
+        # Energy minimizations may start only from equilibria that are stable under their external load.
         states, stable_states = [*first_states, state_of_lowest_load(states)], list(first_states)
-        # Every load exceeds the negative attraction of an earlier state, because the contact load is positive.
+        # The negative attraction of an earlier state is a lower bound of later loads: contact loads are positive.
         unsupported_load, is_certain = -first_states[-1].mean_attraction, True
         try:
             first_load = self._find_pull_off_load_on_coarser_grid(start)
@@ -429,7 +426,7 @@ class AdhesionSolver:
                     load = min(max(load, (1 + relative_step) * least_load), next_load)
                     relative_step *= 2
                     if unsupported_load >= next_load:
-                        # The iteration that separated the bodies started far away and may have passed an equilibrium.
+                        # The bodies separated in an iteration from a distant load. It may have passed equilibria.
                         is_near = near.load < (1 - MAX_LOAD_STEP) * unsupported_load
                         load = unsupported_load if is_near else near.load + approach_step * (least_load - near.load)
                 if number == 0 and unsupported_load < first_load < least_load:
@@ -452,13 +449,13 @@ class AdhesionSolver:
         return states
 
     def _is_minimum_certain(self, states: list[AdhesionState], start: AdhesionState) -> bool:
-        """Return whether a load slightly below the lowest load in `states` certainly separates the bodies.
+        """Return whether it is certain that the bodies separate slightly below the lowest load in `states`.
 
         If bounds on the load do not decide, iterations from the equilibrium `start` do. Extrapolated steps may pass an
         equilibrium, plain steps cannot.
         """
         least_load = state_of_lowest_load(states).load
-        # Lower bound of the external load between successive equilibria: later contact load minus earlier attraction.
+        # The later contact load minus the earlier attraction is a lower bound of the load between two equilibria.
         load_bounds = [later.contact_load - earlier.mean_attraction for earlier, later in itertools.pairwise(states)]
         if min([*load_bounds, -states[-1].mean_attraction]) >= (1 + MINIMUM_LOAD_TOLERANCE) * least_load:
             return True
@@ -525,7 +522,7 @@ class AdhesionSolver:
             return 0.0
 
     def extend_unloading_states(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Return a series of equilibria that is extended by equilibria at smaller and smaller contact loads.
+        """Extend a series of equilibria to lower contact loads, and return the extended list.
 
         The series ends when the external load rises, or when no further equilibrium is found.
         """
@@ -569,7 +566,7 @@ class AdhesionSolver:
         )
 
     def refine_minimum_load(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Return a list of equilibria extended by equilibria where interpolation predicts a lower external load."""
+        """Return `states` with further equilibria, where interpolation predicts a lower external load."""
         states = list(states)
         for _ in range(MAX_REFINEMENT_SOLVES):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)
@@ -624,7 +621,7 @@ class EnergyMinimizer:
         )  # fmt: skip
 
     def minimize(self, near: AdhesionState, load: float) -> AdhesionState | None:
-        """Minimize the energy at an external pressure (GPa), starting from `near`.
+        """Minimize the energy at an external pressure (GPa), starting from the state `near`.
 
         Return None on separation.
         """
@@ -657,7 +654,7 @@ class EnergyMinimizer:
 
 
 def _extrapolation_factor(residual: float, previous_residual: float, max_factor: float) -> float:
-    """Return how many plain steps of the attraction an extrapolated step covers, at most `max_factor`.
+    """Return the ratio of an extrapolated step to a plain step of the attraction, limited to `max_factor`.
 
     It is the sum 1/(1 - r) of the geometric series whose ratio r is the ratio of the two last residuals.
     """
@@ -673,7 +670,7 @@ def state_of_lowest_load(states: list[AdhesionState]) -> AdhesionState:
 def _interpolate_minimum_load(
     states: list[AdhesionState], upper: AdhesionState, lower: AdhesionState
 ) -> tuple[float, float]:
-    """Interpolate between equilibria, and return the lowest external load and the contact load at this minimum (GPa).
+    """Return the lowest external load that interpolation between equilibria predicts, and its contact load (GPa).
 
     The mean attraction is interpolated by a polynomial in the logarithm of the contact load.
     """
@@ -712,7 +709,7 @@ def solve_with_adhesion(
 def solve_separation(
     contact_solution: ContactSolution, *, tolerance: float, record: SolutionRecord
 ) -> tuple[list[ContactSolution], str]:
-    """Return the contact solutions during separation, and the reason for an uncertain pull-off load ("" if certain)."""
+    """Return the contact solutions during separation, and the reason why the pull-off load is uncertain, or ""."""
     problem, total_area = (
         contact_solution.problem,
         contact_solution.problem.cell_area * contact_solution.problem.gap.size,
@@ -722,7 +719,7 @@ def solve_separation(
     start_values = float(pressure.mean()), contact_solution.load / total_area, contact_solution.approach
     start = AdhesionState(pressure.ravel(), np.asarray(contact_solution.attraction), *start_values)
     descending_states, least_load = [], start.load
-    # While the load decreases, the bodies pass only through equilibria with a lower load than all earlier equilibria.
+    # While the load decreases, the bodies reach only equilibria whose load is below all earlier equilibrium loads.
     for state in solver.trace_separation(start)[1:]:
         if state.load < least_load:
             descending_states.append(state)

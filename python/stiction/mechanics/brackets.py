@@ -1,4 +1,4 @@
-"""Bounds on the contact area and friction that a finer scan would give, and extrapolated rms gradients."""
+"""Bounds on contact area and friction for a finer scan, and rms gradients extrapolated to shorter wavelengths."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     import xarray as xr
 
-# Smallest assumed spread of ln κ between two resolutions, where κ = A E* h'/F is the area coefficient.
+# Smallest assumed change of ln κ by a finer scan (95 % limit), where κ = A E* h'/F is the area coefficient.
 MIN_LOG_KAPPA_SPREAD = 0.1
-# Rms gradients are extrapolated to these wavelengths, given as fractions of the shortest wavelength of the scan.
+# Wavelengths to which rms gradients are extrapolated, as fractions of the shortest wavelength of the scan.
 EXTRAPOLATED_WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
 def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
-    """Return the factor within which a finer scan changes the area coefficient κ in 95 % of cases.
+    """Return the largest factor, in 95 % of cases, by which κ = A E* h'/F changes if the scan becomes finer.
 
     The coefficient κ = A E* h'/F relates the real contact area A to the load F and to the rms gradient h'.
 
@@ -37,7 +37,7 @@ def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
 
 
 def gap_rms_gradient(gap: Profile | Surface, *, periodic: bool) -> float:
-    """Return the rms gradient of a gap, computed from the same slopes at grid points as in the half-space model."""
+    """Return the rms gradient of a gap from slopes at grid points, computed as in the half-space model."""
     gap_slopes = grid_slopes(gap.heights, gap.spacings, periodic=periodic)
     return math.sqrt(sum(float(np.mean(np.square(slope))) for slope in gap_slopes))
 
@@ -56,7 +56,7 @@ def estimate_gap_hurst_exponent(gap: Profile | Surface, periodic: bool) -> Hurst
 def plastic_wavelength(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, gradient: float, spread: float
 ) -> tuple[float, float, float]:
-    """Return the cutoff (µm) at which a gap has the rms gradient `gradient`, and the uncertainty limits of the cutoff.
+    """Return the cutoff (µm) at which the gap has the rms gradient `gradient`, with the cutoff's uncertainty limits.
 
     The limits follow from the Hurst exponent's interval and from a relative uncertainty of the gradient by the factor
     `spread`. NaN is returned if there is no such wavelength.
@@ -112,7 +112,7 @@ def interface_area_ratio(gradient: Floats) -> Floats:
 
 
 def transverse_slope_factor(gradient: Floats, dimensions: int) -> Floats:
-    """Return the factor by which slopes across the motion increase mu_s if friction acts at all contacts.
+    """Return the factor by which slopes across the motion raise mu_s if friction acts at all contacts.
 
     The factor is 1 + h'²/16 for height maps whose gap has the rms gradient h', and 1 for profiles.
     """
@@ -135,7 +135,7 @@ def max_area_for_finer_scans(area: ArrayLike, plastic_area: ArrayLike, contact_c
 def friction_range_for_finer_scans(
     value: float, mu0: float, adhesion: float, contact_count: float, upper: float | None = None
 ) -> tuple[float, float]:
-    """Return the lowest and highest mu_s that a finer scan can give if contacts yield and all contacts have friction.
+    """Return the lowest and highest mu_s for any finer scan, if contacts yield and all contacts have friction.
 
     `value` is mu_s of this scan, and `adhesion` is tau0/H. The upper limit is computed from `value`, or from `upper` if
     given.
@@ -162,7 +162,7 @@ def max_friction_for_finer_scans(
 
 
 def add_finer_scan_bounds(result: xr.Dataset, hardness: float, strengths: tuple[float, float] | None) -> xr.Dataset:
-    """Add plastic area F/H, plastic friction coefficient and bounds for finer scans to a `resolution` dataset."""
+    """Add plastic area F/H, plastic friction coefficient, and bounds for finer scans to a `resolution` dataset."""
     loads, area = result.normal_load.values, result.contact_area.values
     nominal_area = result.attrs["nominal_area_um2"]
     plastic_area = loads / hardness

@@ -28,7 +28,7 @@ from stiction.mechanics.model import (
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-# A gap counts as constant along an axis if its range along this axis is below this fraction of its whole range.
+# A gap counts as constant along an axis if it varies along this axis by less than this fraction of its total range.
 _GROOVE_TOLERANCE = 1e-9
 
 
@@ -77,7 +77,7 @@ class Candidates:
         return len(self.core)
 
     def __repr__(self) -> str:
-        """Return one line with the number of contact candidates, the maximum approach and the curvature requirement."""
+        """Return one line with the number of candidates, the maximum approach and the curvature requirement."""
         return f"Candidates: {len(self)} up to an approach of {self.deepest:.4g} µm, {self.curvature} curvature"
 
     @property
@@ -174,7 +174,7 @@ def candidates(
 def candidates_and_model(
     upper: Any, lower: Any, contact: Mapping[str, object]
 ) -> tuple[Candidates | None, ContactModel]:
-    """Return the contact candidates (None if two surfaces are given) and the contact model."""
+    """Return contact candidates and contact model. The candidates are None if two surfaces are given instead."""
     if not isinstance(upper, Candidates):
         return None, make_pair_model(upper, lower, contact)
     if "effective_modulus" not in contact and "model" not in contact:

@@ -23,7 +23,7 @@ from stiction.mechanics.friction import (
 from stiction.mechanics.materials import Material
 from stiction.mechanics.model import SlidingRule
 
-# Number of bisections that determine the logarithm of an ellipse's axis ratio to the last bit.
+# Number of bisections after which the logarithm of an ellipse's axis ratio is exact to the last bit.
 _NUM_BISECTIONS = 64
 # A specified rms slope may exceed the rms gradient by at most this fraction, which is round-off.
 _SLOPE_TOLERANCE = 1e-9
@@ -46,7 +46,7 @@ def validate_positive_arguments(**arguments: ArrayLike) -> list[Floats]:
 
 
 def reject_overflow(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Wrap a function so that it raises a `ValueError` if a result exceeds the range of double precision."""
+    """Wrap a function so that it raises a `ValueError` if a returned number overflows double precision."""
 
     @functools.wraps(function)
     def call_with_overflow_check(*args: _P.args, **kwargs: _P.kwargs) -> _R:
@@ -54,7 +54,7 @@ def reject_overflow(function: Callable[_P, _R]) -> Callable[_P, _R]:
             with np.errstate(over="raise", divide="raise", invalid="raise", under="ignore"):
                 return function(*args, **kwargs)
         except ArithmeticError:
-            # NumPy raises FloatingPointError, which is an ArithmeticError.
+            # NumPy raises FloatingPointError, a subclass of ArithmeticError, if a number is out of range.
             raise ValueError(
                 f"arguments of {function.__name__} must not be so large or so small that a computed value exceeds the "
                 "range of double precision"
@@ -991,7 +991,7 @@ def gentle_friction(
 
 
 def _mean_secant_and_cosine(deviation: Floats) -> tuple[Floats, Floats]:
-    """Return the means of (1 + s²)^(1/2) and (1 + s²)^(-1/2) over normally distributed slopes s."""
+    """Return mean((1 + s²)^(1/2)) and mean((1 + s²)^(-1/2)) for normally distributed slopes s."""
     from scipy import special
 
     is_small = deviation < _SMALL_SLOPE_LIMIT
@@ -1159,7 +1159,7 @@ def westergaard_gap(
 def _sinusoid_terms(
     x: ArrayLike, mean_pressure: ArrayLike, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """Check the arguments, and return sin and cos of πx/λ, mean pressure p̄, full-contact pressure p* and amplitude."""
+    """Return sin and cos of πx/λ, mean pressure p̄, full-contact pressure p* and amplitude from checked arguments."""
     p, d, wavelengths, e = validate_positive_arguments(
         mean_pressure=mean_pressure, amplitude=amplitude, wavelength=wavelength, effective_modulus=effective_modulus
     )

@@ -124,7 +124,7 @@ class FrictionLaw:
         return frictional + adhesive
 
     def load(self, name: str, sums: Any, area: Any = 1.0, fraction: Any = 1.0) -> Floats:
-        """Compute a load (mN) from contact sums: the "normal", "tangential", "lateral" or "unloaded" load.
+        """Compute the "normal", "tangential", "lateral" or "unloaded" load (mN) from contact sums.
 
         The sums are given as a mapping or as attributes. The true area is `area` times the area in the sums, and the
         contacts carry a fraction of mu0 F + tau0 A (see `OnsetState`).
@@ -134,7 +134,7 @@ class FrictionLaw:
         return np.asarray(elastic + frictional * fraction + adhesive * (area * fraction))
 
     def coefficient(self, sums: Any, area: Any = 1.0, fraction: Any = 1.0) -> Floats:
-        """Return the friction coefficient, the tangential load divided by the normal load, from contact sums.
+        """Return the friction coefficient from contact sums: the tangential load divided by the normal load.
 
         Arguments are as for `load`.
         """
@@ -165,7 +165,7 @@ class FrictionLaw:
         return np.minimum(coefficient, 2 / self.junction_growth) if self.uses_slip_lines else coefficient
 
     def growth_effect(self, hardness: float) -> float:
-        """Return the relative change of the plastic friction coefficient due to junction growth by slip-line theory.
+        """Return the relative change of the plastic friction coefficient if contacts grow by slip-line theory.
 
         The change is negative if the softer body shears.
         """
@@ -194,7 +194,7 @@ class FrictionLaw:
     def onset(
         self, load: Any, hardness: Any, nominal_area: float, area: Callable[[Any], Floats], pressure: Any = None
     ) -> OnsetState:
-        """Return the state of yielding or elastic contacts at the onset of sliding.
+        """Return the state of the contacts, yielding or elastic, at the onset of sliding.
 
         Parameters
         ----------
@@ -212,12 +212,12 @@ class FrictionLaw:
         pressure = self.yield_pressure(hardness) if pressure is None else pressure
         plastic_coefficient = self.mu0 + self.tau0 / pressure
         if not self.uses_slip_lines:
-            # This comparison is False if the contact seizes, because the pressure is then NaN.
+            # If the contact seizes, `pressure` is NaN, and the comparison is False.
             is_carried = pressure > load / nominal_area
             area_at_onset = np.where(is_carried, area(np.where(is_carried, pressure, hardness)), np.inf)
             return OnsetState(plastic_coefficient, area_at_onset, np.ones(()))
         area_at_onset = area(pressure)
-        # If contacts at the yield pressure cannot carry the load, the contacts cover the whole nominal area.
+        # If contacts at the yield pressure cannot carry the load, they cover the whole nominal area.
         can_shear = self.is_stronger_than_body(hardness) | (pressure <= load / nominal_area)
         if not np.any(can_shear):
             return OnsetState(plastic_coefficient, area_at_onset, np.ones(()))
@@ -231,7 +231,7 @@ class FrictionLaw:
         )
 
     def _compute_limited_fraction(self, load: Any, area: Any, pressure: Any, hardness: Any) -> Floats:
-        """Return the fraction of the friction force that remains if the body's shear strength limits local tractions.
+        """Return the fraction of the friction force that remains if the shear strength of the body limits tractions.
 
         The traction at each point is the smaller of mu0 p + tau0 and the shear strength k. The pressures p follow a
         Weibull distribution over the true area, which is limited at `pressure` and has the mean load/area. The
@@ -241,7 +241,7 @@ class FrictionLaw:
         mean_pressure = np.minimum(load / area, pressure)
         frictional, adhesive = self.contributions(mean_pressure, 1.0)
         with np.errstate(invalid="ignore", divide="ignore"):
-            # At the limit pressure, the friction mu0 p + tau0 reaches the shear strength.
+            # At `limit_pressure`, the friction mu0 p + tau0 reaches the shear strength.
             limit_pressure = np.where(np.asarray(self.mu0) > 0, (strength - self.tau0) / np.asarray(self.mu0), np.inf)
             relative_limit = np.clip(limit_pressure / pressure, 0.0, 1.0)
             limited_traction = frictional * _compute_limited_pressure_ratio(
@@ -284,7 +284,7 @@ def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, shear_ratio: Any) -> F
     slope = np.asarray(shear_ratio * mu0 / PLANE_STRAIN_RATIO)
     margin = np.maximum(1 - shear_ratio * tau0 / hardness - slope * (1 + np.pi / 2), 0.0)
     linear_coefficient = slope * (1 + np.pi / 2) * np.sqrt(2.0)
-    # If mu0 is 0 and tau0 equals the shear strength, the quotients are 0/0. `np.fmax` replaces their NaN by 0.
+    # If mu0 is 0 and tau0 equals the shear strength, x is 0/0. `np.fmax` replaces this NaN by 0.
     with np.errstate(invalid="ignore"):
         x = np.fmax(2 * margin / (linear_coefficient + np.sqrt(linear_coefficient**2 + 8 * margin)), 0.0)
         x = np.minimum(x, np.sqrt(0.5))
@@ -297,7 +297,7 @@ def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, shear_ratio: Any) -> F
 
 
 def _compute_limited_pressure_ratio(limit: Any, mean: Any) -> Floats:
-    """Return mean(min(p, limit)) / mean(p) for pressures p with a Weibull distribution that is limited at 1.
+    """Return mean(min(p, limit)) / mean(p) for pressures p with a Weibull distribution; the ratio is at most 1.
 
     The fraction is interpolated in a table, with errors below 1e-4.
     """
@@ -312,15 +312,15 @@ def _compute_limited_pressure_ratio(limit: Any, mean: Any) -> Floats:
 
 
 def _interpolate_table(table: Floats, rows: Floats, columns: Floats) -> Floats:
-    """Interpolate a table linearly at fractional indices, which are limited to its size.
+    """Interpolate a table linearly at fractional indices, and move indices outside the table to its edge.
 
-    Values at NaN are NaN.
+    The value at an index that is NaN is NaN.
 
     The values have the bits of `scipy.ndimage.map_coordinates`, whose import takes longer than the report of a result.
     """
     num_columns = table.shape[1]
     is_nan = np.isnan(rows) | np.isnan(columns)
-    # `np.fmax` replaces NaN by the first index.
+    # `np.fmax` replaces an index that is NaN by 0.
     rows, columns = (
         np.fmin(np.fmax(indices, 0.0), size - 1.0) for indices, size in zip((rows, columns), table.shape, strict=True)
     )
@@ -343,7 +343,7 @@ def _interpolate_table(table: Floats, rows: Floats, columns: Floats) -> Floats:
 
 @lru_cache(maxsize=1)
 def _tabulate_limited_pressure_ratios() -> Floats:
-    """Return a table of mean(min(p, limit)) / mean(p) on a grid of mean(p) and limit/(limit + mean(p)).
+    """Tabulate the ratio mean(min(p, limit)) / mean(p) of pressures p over mean(p) and limit/(limit + mean(p)).
 
     A pressure exceeds p < 1 with the probability exp(-rate p^shape). The shape, 1.5 - 0.65 mean(p), was fitted to rough
     pairs from elastic to plastic contact. The rates are found by bisection.
@@ -351,7 +351,7 @@ def _tabulate_limited_pressure_ratios() -> Floats:
     from scipy.special import gamma, gammainc
 
     mean_pressures = np.linspace(MIN_TABULATED_MEAN_PRESSURE, 1.0, NUM_TABULATED_VALUES)[:, np.newaxis]
-    # At a mean pressure of 1, the logarithm of the rate would be infinite, because the rate is 0.
+    # The table ends slightly below a mean pressure of 1, at which the rate is 0 and its logarithm infinite.
     mean_pressures = np.minimum(mean_pressures, 0.9999)
     shape = 1.5 - 0.65 * mean_pressures
     log_low, log_high = np.full_like(mean_pressures, -12.0), np.full_like(mean_pressures, 12.0)
@@ -372,7 +372,7 @@ def _tabulate_limited_pressure_ratios() -> Floats:
 def _solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
     """Return the pressure p at which a sliding contact yields: p² + α (mu0 p + tau0)² = H²."""
     half_linear_coefficient = alpha * (mu0 * tau0)
-    # If the contact seizes, `constant_term` is zero or negative.
+    # The contact seizes if `constant_term` is zero or negative.
     constant_term = np.square(hardness) - alpha * tau0**2
     with np.errstate(invalid="ignore"):
         pressure = constant_term / (
@@ -400,14 +400,14 @@ class ContactSums:
 
     @classmethod
     def from_columns(cls, columns: Mapping[str, Any]) -> ContactSums:
-        """Create the contact sums from arrays by name, such as the variables of a dataset."""
+        """Create contact sums from a mapping of names to arrays, such as the variables of a dataset."""
         check_instance("columns", columns, Mapping, "a mapping of names to arrays")
         if missing_names := [name for name in SUM_QUANTITIES if name not in columns]:
             raise ValueError(f"columns must contain {missing_names[0]}, got {short_repr(list(columns))}")
         return ContactSums(**{name: columns[name] for name in SUM_QUANTITIES})
 
     def apply(self, function: Callable[[NDArray[Any]], Any]) -> ContactSums:
-        """Apply a function, such as indexing or averaging, to every contact sum, and return the new sums."""
+        """Apply a function, such as indexing or averaging, to every contact sum, and return new contact sums."""
         check_callable("function", function)
         return ContactSums(**{name: function(getattr(self, name)) for name in SUM_QUANTITIES})
 
@@ -500,7 +500,7 @@ def validity_ratio(name: str, sums: Any) -> Floats:
 
 
 def compute_ratios(sums: Mapping[str, Floats], load: Floats, nominal_area: float | None = None) -> dict[str, Floats]:
-    """Compute the contact quantities that are ratios of contact sums, such as the mean pressure, at a load (mN).
+    """Compute the quantities that are ratios of contact sums, such as the mean pressure, at a load (mN).
 
     The sums belong to a member, or are means over an ensemble. Area fraction, nominal pressure and stiffnesses per area
     require the nominal area (µm²). The keys of the returned mapping are names of quantities.
@@ -531,7 +531,7 @@ def sums_per_load(sums: Mapping[str, Any]) -> dict[str, float]:
 
 
 class FrictionCurve(PlotReprMixin):
-    """Loads and friction of a pair at each approach or load, computed from stored contact sums."""
+    """Normal load, tangential load and friction of a pair at each loading step, computed from contact sums."""
 
     contact_count: NDArray[Any]
     contact_area: Floats
@@ -556,7 +556,7 @@ class FrictionCurve(PlotReprMixin):
         return self._broadcast_law(mu0, tau0).load("tangential", self)
 
     def friction_coefficient(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return the friction coefficient F_T / F_N, or NaN unless the status is "ok".
+        """Return the friction coefficient F_T / F_N at each loading step; NaN where the status is not "ok".
 
         Arguments: as for `normal_load`.
 
@@ -602,7 +602,7 @@ class FrictionCurve(PlotReprMixin):
 def choose_statuses(
     *, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, below: ArrayLike = False
 ) -> NDArray[Any]:
-    """Choose a status, such as "ok" or "no-contact", for each load curve at each load, from boolean arrays.
+    """Choose a status, such as "ok" or "no-contact", for each load curve at each load.
 
     `touched`: there is a contact. `reached`: the curve reaches the load. `locked`: the contacts are self-locked at the
     last loading step. `below`: the first loading step already supports more than the load.
@@ -620,7 +620,7 @@ def choose_statuses(
 
 
 def statuses_of_approaches(contact_count: ArrayLike, normal: Floats) -> NDArray[Any]:
-    """Return "ok", "self-locked" or "no-contact" for each approach, from contact counts and normal loads (mN)."""
+    """Return "ok", "self-locked" or "no-contact" for each approach, given contact counts and normal loads (mN)."""
     return choose_statuses(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 

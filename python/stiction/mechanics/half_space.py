@@ -221,7 +221,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def pull_off_bound(self) -> tuple[float, bool]:
-        """Pull-off force (mN), and True if this force is only a lower bound.
+        """Pull-off force (mN), and a flag that is True if this force is only a lower bound.
 
         Gives no warning, unlike `pull_off`.
         """
@@ -241,7 +241,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def _separation_solutions(self) -> tuple[list[ContactSolution], str]:
-        """Contact solutions during separation, and the reason for an uncertain pull-off force ("" if certain)."""
+        """Contact solutions during separation, and why the pull-off force is uncertain ("" if it is certain)."""
         contact_solution = self._contact_solutions[int(np.argmin(self.load))]
         return solve_separation(contact_solution, tolerance=self._tolerance, record=self._record)
 
@@ -315,11 +315,11 @@ class HalfSpaceCurve(FrictionCurve):
         return make_read_only(np.array([getattr(solution, name) for solution in self._contact_solutions]))
 
     def at(self, index: int) -> ContactSolution:
-        """Return the contact solution at `load[index]`: the contact points, with pressures (GPa) and patch numbers."""
+        """Return the contact solution at `load[index]`: contact points with their pressures (GPa) and patch numbers."""
         return self._contact_solutions[resolve_index(index, self.load.size, "loads")]
 
     def contact(self, index: int) -> HalfSpaceContact:
-        """Return the contact at `load[index]` as arrays on the grid: pressure (GPa), gap (µm) and patch numbers."""
+        """Return the contact at `load[index]` as arrays over all grid points: pressure (GPa), gap (µm) and patch."""
         load_index = resolve_index(index, self.load.size, "loads")
         solution = self._contact_solutions[load_index]
         problem = solution.problem
@@ -416,7 +416,7 @@ class HalfSpaceCurve(FrictionCurve):
     def compute_directed_sums(
         self, directions: Sequence[Direction], sliding_rules: Sequence[SlidingRule]
     ) -> dict[str, Floats]:
-        """Compute the force and area sums that depend on the direction of motion or on the sliding rule.
+        """Compute the sums of forces and areas that depend on the direction of motion or on the sliding rule.
 
         Each sum has the shape (sliding rules, directions, loads).
         """
@@ -622,7 +622,7 @@ def _solve_contacts(
 def _report_progress(
     progress: Callable[[int, int, float], object], num_solved: int, index: int, iteration: int, error: float
 ) -> None:
-    """Report a solver iteration at step `index` of a group of loading steps.
+    """Report a solver iteration at the loading step with the number `index` in its group of loading steps.
 
     `num_solved` steps precede the group.
     """
@@ -669,7 +669,7 @@ def _make_curve(
 def _compute_contact_sums(
     model: ContactModel, contacts: Sequence[ContactSolution], sums: PatchSums
 ) -> dict[str, Floats]:
-    """Return the contact sums of `HalfSpaceCurve` by name, each over all patches: (k,), or (d, k) for d directions."""
+    """Return the contact sums of `HalfSpaceCurve` by name, with shapes (k loads,) or (d directions, k loads)."""
     totals = sums.totals(model.sliding)
     if contacts[0].problem.work_of_adhesion > 0:
         totals["normal_elastic"] = totals["normal_elastic"] - [solution.attraction_force for solution in contacts]

@@ -32,11 +32,11 @@ Kernels for so many points take 35 MB, and the arrays of the solver 46 MB per th
 quarter of the time of solving a contact with free boundaries.
 """
 
-# Displacement of the edge by a trial tilt, as a fraction of the mean displacement due to the load.
+# A trial tilt displaces the edge of the surface by this fraction of the mean displacement due to the load.
 TILT_OVER_MEAN_DISPLACEMENT = 0.01
 # Relative tolerance of the solver for a linear response, in which the set of contact points is fixed.
 LINEAR_RESPONSE_TOLERANCE = 1e-7
-# No pressure in a linear response to a mean pressure of 1 reaches this upper limit, so the limit has no effect.
+# Upper limit of the pressures in a linear response to a mean pressure of 1. It is too high to have any effect.
 MAX_LINEAR_RESPONSE_PRESSURE = 1e9
 MAX_CELL_ASPECT_RATIO = 1e6
 
@@ -51,7 +51,7 @@ def get_half_space_grids(
     shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool,
     remains_cached: bool = True,
 ) -> _core.HalfSpaceGrids:  # fmt: skip
-    """Return the grids of a half-space problem with their elastic kernels.
+    """Return the grids of a half-space problem, which contain the elastic kernels.
 
     Calls with equal arguments share the grids.
 
@@ -78,14 +78,14 @@ copyreg.pickle(_core.HalfSpaceGrids, lambda grids: (_unpickle_grids, _key_of_gri
 
 
 def solver_thread_count() -> int:
-    """Return the number of threads that a solver uses, as configured by `scipy.fft.set_workers`."""
+    """Return the number of threads of a contact solver: the number that `scipy.fft.set_workers` has set."""
     # While another thread imports `scipy.fft`, the module may not have `get_workers` yet.
     get_workers = getattr(sys.modules.get("scipy.fft"), "get_workers", None)
     return 1 if get_workers is None else int(get_workers())
 
 
 def has_finite_approach(num_dimensions: int, *, periodic: bool) -> bool:
-    """Return whether distant points of two bodies have finite displacements, which are infinite on a free half-plane.
+    """Return whether the approach of distant points is finite, which is not the case on a free half-plane.
 
     The bodies are profiles (1 dimension) or height maps (2 dimensions).
     """
@@ -105,9 +105,9 @@ class HalfSpaceProblem:
     hardness: float | None
     work_of_adhesion: float = 0.0
     adhesion_range: float = 0.0
-    # The surfaces cannot touch at these points, because the height of either surface is missing.
+    # True at points where the surfaces cannot touch, because the height of either surface is missing.
     missing: NDArray[np.bool_] | None = None
-    # Slopes by which the upper surface is tilted about its centre: along y and x for maps, along x for profiles.
+    # Tilt of the upper surface about its centre, as slopes: along y and x for maps, along x for profiles.
     tilt: Floats | float = 0.0
     # True if the upper surface tilts until the resultant force acts at its centre.
     has_free_tilt: bool = False
@@ -139,9 +139,9 @@ class HalfSpaceProblem:
 
     @cached_property
     def uniform_pressure_displacement(self) -> Floats:
-        """Displacement (µm) of each point under a pressure of 1 GPa on all measured points.
+        """Displacement (µm) of each grid point under a pressure of 1 GPa on all measured points.
 
-        It is 0 for complete periodic surfaces.
+        The displacement is 0 for complete periodic surfaces.
         """
         if self.missing is not None:
             return np.asarray(self.grids.displacement(self.measured_point_mask, threads=solver_thread_count()))
@@ -181,7 +181,7 @@ class ContactSolution:
 
     @property
     def arrays(self) -> ContactArrays:
-        """Grid index, pressure (GPa), contact fraction and patch number of each contact point."""
+        """Arrays over the contact points: grid index, pressure (GPa), contact fraction and patch number."""
         return self.points, self.values, self.share, self.patch
 
     def on_grid(self, values: NDArray[Any]) -> NDArray[Any]:
@@ -246,23 +246,23 @@ class ContactSolution:
 
     @cached_property
     def loading_compliances(self) -> tuple[float, float]:
-        """Two compliances for loading, of the contact points below the hardness; see `cache_compliances`."""
+        """Loading compliances of the points below the hardness: two displacements (µm), see `cache_compliances`."""
         return self._compute_compliances("loading_compliances")
 
     @cached_property
     def unloading_compliances(self) -> tuple[float, float]:
-        """Two compliances for unloading, of all contact points; see `cache_compliances`."""
+        """Unloading compliances of all contact points: two displacements (µm), see `cache_compliances`."""
         return self._compute_compliances("unloading_compliances")
 
     @cached_property
     def response_at_fixed_tilt(self) -> tuple[Floats, float]:
-        """Pressures with a sum of 1 GPa that displace all contact points equally, and this displacement (µm)."""
+        """Pressures (sum 1 GPa) that cause an equal displacement of all contact points, and this displacement (µm)."""
         if self.problem.has_free_tilt:
             return self.problem.grids.linear_response(self.on_grid(self._all_points), threads=solver_thread_count())
         return self._linear_response if self.is_elastic else self._unloading_response
 
     def _compute_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return pressures with a sum of 1 GPa that displace points in a mask equally, and this displacement (µm)."""
+        """Return pressures (sum 1 GPa) that displace all points of a mask equally, and their common displacement."""
         if not self.problem.has_free_tilt:
             return self.problem.grids.linear_response(self.on_grid(free_mask), threads=solver_thread_count())
         return TiltResponse.solve(self.problem, self.on_grid(free_mask)).balanced_response()
@@ -272,7 +272,7 @@ class ContactSolution:
         return displacement, float((pressures * self.problem.uniform_pressure_displacement).sum())
 
     def _get_compliances(self, free_mask: NDArray[np.bool_]) -> tuple[float, float]:
-        """Return the compliances of the contact points in a mask: all, or those below the hardness."""
+        """Return the loading compliances for the mask `below_hardness`, and the unloading compliances otherwise."""
         return self.loading_compliances if free_mask is self.below_hardness else self.unloading_compliances
 
     def _compute_stiffness(self, free_mask: NDArray[np.bool_]) -> float:
@@ -307,7 +307,7 @@ def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) 
     """
     missing_compliances: list[tuple[ContactSolution, str]] = []
     for solution in solutions:
-        # Contacts without yielded points respond in the same way during loading and unloading.
+        # The loading and the unloading response are equal if no point of the contact has yielded.
         name = "unloading_compliances" if unloading and not solution.is_elastic else "loading_compliances"
         is_computed = name in vars(solution) or _RESPONSE_NAMES[name] in vars(solution)
         if not is_computed and not solution.problem.has_free_tilt and (unloading or solution.below_hardness.any()):
@@ -330,9 +330,9 @@ def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) 
 
 
 def sum_patches(solutions: Sequence[ContactSolution], directions: Floats) -> PatchSums:
-    """Return the friction sums of each patch of k solutions for m directions, given as unit vectors of shape (m, 2)."""
+    """Return the friction sums of all patches in k solutions, for m directions of motion as unit vectors (m, 2)."""
     problem = solutions[0].problem
-    # Solutions with free tilt have a separate problem for each load.
+    # With free tilt, each load has its own problem, because the tilt changes the gap.
     if any(solution.problem is not problem for solution in solutions):
         return PatchSums.join([sum_patches([solution], directions) for solution in solutions])
     contacts = [solution.arrays for solution in solutions]
@@ -391,7 +391,7 @@ def make_problem(
             f"the upper and the lower body must have equal shapes, got {upper.heights.shape} and {lower.heights.shape}"
         )
     spacing = upper.spacings
-    # The area is infinite if the product of the spacings overflows.
+    # `cell_area` is infinite if the product of the spacings overflows.
     cell_area = math.prod(spacing)
     if not (np.finfo(np.float64).tiny <= cell_area < np.inf and max(spacing) <= MAX_CELL_ASPECT_RATIO * min(spacing)):
         raise ValueError(
@@ -418,7 +418,7 @@ MIN_PROCESS_ZONE_POINTS = 2.0
 
 
 def min_resolved_adhesion_range(work: float, spacing: float, effective_modulus: float) -> float:
-    """Return the shortest range (µm) of an attraction that a grid resolves, given work of adhesion (mN/µm) and E*."""
+    """Return the shortest adhesion range (µm) that a grid resolves, given work of adhesion (mN/µm) and E*."""
     return math.sqrt(MIN_PROCESS_ZONE_POINTS * spacing * work / effective_modulus)
 
 
@@ -432,7 +432,7 @@ def coarsen_problem(problem: HalfSpaceProblem) -> HalfSpaceProblem:
         take_every_second_point(values) for values in (problem.upper_heights, problem.lower_heights, problem.gap)
     )
     _, _, effective_modulus, periodic = _key_of_grids[problem.grids]
-    # Coarse grids are not cached, because the cached grids of the problem are needed again for the next problem.
+    # The cache keeps the grids of the original problem, which the next problem needs, instead of the coarse grids.
     grids = get_half_space_grids(gap.shape, spacing, effective_modulus, periodic=periodic, remains_cached=False)
     min_adhesion_range = min_resolved_adhesion_range(problem.work_of_adhesion, max(spacing), effective_modulus)
     adhesion_range = max(problem.adhesion_range, min_adhesion_range)
@@ -458,7 +458,7 @@ StepKind = Literal["loads", "approaches"]
 def parse_loads_or_approaches(
     problem: HalfSpaceProblem, loads: ArrayLike | None, approaches: ArrayLike | None
 ) -> tuple[StepKind, Floats]:
-    """Return "loads" or "approaches", whichever was given, and the checked loads (mN) or approaches (µm)."""
+    """Return the kind of the given steps, "loads" or "approaches", and the checked loads (mN) or approaches (µm)."""
     step_kind: StepKind = "loads" if approaches is None else "approaches"
     given_values = loads if approaches is None else approaches
     if given_values is None or (loads is not None and approaches is not None):
@@ -499,7 +499,7 @@ def parse_loads_or_approaches(
 
 
 def lever_arms(problem: HalfSpaceProblem) -> list[Floats]:
-    """Return the distances (µm) of the grid points from the centre of the measured points, along each axis.
+    """Return the coordinates (µm) of the grid points along each axis, relative to the centre of the measured points.
 
     Each array has a shape for broadcasting over the grid.
     """
@@ -514,22 +514,22 @@ def lever_arms(problem: HalfSpaceProblem) -> list[Floats]:
 
 @dataclass(frozen=True, eq=False)
 class TiltResponse:
-    """Linear responses of fixed contact points to a mean pressure of 1 GPa and to unit tilts of the upper surface."""
+    """Response of fixed contact points to mean pressure and tilt: changes of pressures, approach and moments."""
 
     # Pressures (GPa) at the contact points due to a mean pressure of 1 GPa.
     pressure: Floats
     # Approach (µm) due to a mean pressure of 1 GPa.
     approach: float
-    # Moments (GPa µm) due to a mean pressure of 1 GPa, about n axes.
+    # Moments (GPa µm) about each of n axes, due to a mean pressure of 1 GPa.
     moments: Floats
     # Change of the pressures (GPa) per unit slope along each axis, at constant load.
     slope_pressures: list[Floats]
-    # Change of the n moments per unit slope along n axes, a matrix that is negative definite if several points touch.
+    # Change of the n moments per unit slope along n axes. The matrix is negative definite if several points touch.
     moments_per_slope: Floats
 
     @classmethod
     def solve(cls, problem: HalfSpaceProblem, free_mask: NDArray[np.bool_]) -> TiltResponse:
-        """Compute the responses of the contact points in a mask to a mean pressure of 1 GPa and to unit tilts."""
+        """Compute the response of the contact points in a mask to a mean pressure of 1 GPa and to unit slopes."""
         max_pressure = np.where(free_mask, MAX_LINEAR_RESPONSE_PRESSURE, 0.0)
         arms = lever_arms(problem)
 
@@ -560,7 +560,7 @@ class TiltResponse:
         return cls(pressure, approach, moments, slope_pressures, (moments_per_slope + moments_per_slope.T) / 2)
 
     def balanced_response(self) -> tuple[Floats, float]:
-        """Return pressures with a sum of 1 GPa whose resultant acts at the centre, and the resulting approach (µm)."""
+        """Return pressures (sum 1 GPa) whose resultant acts at the centre, and the approach (µm) that they cause."""
         slopes = -np.linalg.lstsq(self.moments_per_slope, self.moments, rcond=None)[0]
         pressure = self.pressure + sum(
             slope * slope_pressure for slope, slope_pressure in zip(slopes, self.slope_pressures, strict=True)
@@ -586,8 +586,8 @@ class ContactSolver:
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
             # Missing points get a gap that never closes.
-            # The core multiplies its tolerance by the standard deviation of the gap, which these large gaps increase.
-            # `scale` compensates the increase.
+            # The gaps of missing points increase the standard deviation, by which the core multiplies its tolerance.
+            # `scale` compensates this increase of the standard deviation of the gap.
             measured_gap = gap[~missing]
             mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.nominal_area)))
             gap = np.where(
@@ -664,7 +664,7 @@ class ContactSolver:
 
 @dataclass(frozen=True, eq=False)
 class AdhesionState:
-    """Contact whose pressures are in equilibrium with the load and the adhesive attraction.
+    """Contact in equilibrium with the external load and the adhesive attraction.
 
     Means over the grid are in GPa; the other fields have the meaning of `HalfSpaceSolution`.
     """
@@ -715,7 +715,7 @@ _SCALAR_STEP_NAMES = ("load", "approach", "error", "iterations")
 
 
 def from_step_result(problem: HalfSpaceProblem, result: StepResult) -> list[ContactSolution]:
-    """Restore the contact solutions from arrays in which the results of `to_step_result` are concatenated."""
+    """Restore a list of contact solutions from the concatenated arrays of `to_step_result`."""
     if problem.has_free_tilt:
         tilt = result["tilt"] if np.ndim(result["tilt"]) else float(result["tilt"])
         problem = replace(problem, upper_heights=result["upper"], gap=result["gap"], tilt=tilt)

@@ -67,9 +67,10 @@ def estimate_indentation_depth(
 
 
 def yielded_area(elastic_area: ArrayLike, load: ArrayLike, hardness: ArrayLike, exponent: ArrayLike) -> Floats:
-    """Return the true area (µm²) of yielding contacts: A^m = A_el^m + (F/H)^m - (A_el/2)^m, or A_el if F < A_el H/2.
+    """Return the true area A (µm²) of yielding contacts at a load F and a hardness H.
 
-    The arguments are broadcast against each other. The area is not limited by the nominal area.
+    With the exponent m, A^m = A_el^m + (F/H)^m - (A_el/2)^m, or A = A_el if F < A_el H/2. The arguments are broadcast
+    against each other. The area is not limited by the nominal area.
 
     Parameters
     ----------

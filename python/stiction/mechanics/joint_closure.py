@@ -18,7 +18,7 @@ MAX_CLOSURE_EXTRAPOLATION = 10.0
 
 @dataclass(frozen=True)
 class BandisLaw:
-    """Bandis' law of a joint, p = K c / (1 - c/V) for pressure p and closure c, and the deviation of its fit.
+    """Bandis' law of a joint: p = K c / (1 - c/V) with pressure p and closure c, and the misfit of the fitted law.
 
     Attributes
     ----------

@@ -17,7 +17,7 @@ from stiction._units import short_repr
 
 
 def parameter_field(unit: str, *, default: Any = MISSING) -> Any:
-    """Return a dataclass field for a parameter of a contact law, with unit ("µm", "GPa" or "") and default."""
+    """Return a dataclass field for a parameter of a contact law, with its unit ("µm", "GPa" or "") and its default."""
     return field(default=default, metadata={"unit": unit})
 
 
@@ -118,7 +118,7 @@ class JacksonGreen(ContactLaw):
 
 
 CONTACT_LAWS: tuple[type[ContactLaw], ...] = (HertzSphere, HertzCylinder, JacksonGreen)
-# A study can specify contact laws without required parameters by their names.
+# Contact laws that have no required parameters, so that a study can specify the laws by their names alone.
 LawName = Literal["hertz-sphere", "hertz-cylinder"]
 CONTACT_LAWS_BY_NAME: dict[str, ContactLaw] = {
     law.name: law() for law in CONTACT_LAWS if all(item.default is not MISSING for item in fields(law))

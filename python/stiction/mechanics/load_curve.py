@@ -113,7 +113,7 @@ class LoadCurve(FrictionCurve, ContactSums):
         steps: int | Sequence[float] = 20, displacements: ArrayLike | None = None,
         poisson: float | Sequence[float] = 0.3, compliance_share: float = 0.5,
     ) -> Onset:  # fmt: skip
-        """Compute the onset of sliding at `approach[index]` with Mindlin's solution for each contact; see `Onset`.
+        """Compute the onset of sliding at `approach[index]`, with Mindlin's solution for each contact; see `Onset`.
 
         Parameters
         ----------
@@ -207,7 +207,7 @@ class SurfaceLoadCurve(LoadCurve):
         return SurfaceValidity.from_sums(self)
 
     def lateral_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return the lateral force (mN) that keeps the upper surface on its path; positive to the left of the motion.
+        """Return the lateral force (mN), positive to the left of the motion, that keeps the upper surface on its path.
 
         Shape and arguments are as for `normal_load`.
         """

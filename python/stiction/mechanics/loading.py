@@ -111,7 +111,7 @@ def approach_at_load(
 
 
 class SurfacePair:
-    """Pair of surfaces that stores the minima of its gap, so that further calls of `press` are fast."""
+    """Pair of surfaces that stores the minima of its gap, so that repeated calls of `press` need no new search."""
 
     def __init__(self, upper: Profile | Surface, lower: Profile | Surface) -> None:
         check_pair(upper, lower)
@@ -146,7 +146,7 @@ class SurfacePair:
     def _call_core(
         self, function: Callable[..., Any], deepest: float, model: ContactModel, arguments: dict[str, Any]
     ) -> Any:
-        """Call a function of the C++ core with the minima of the pair's gap.
+        """Call a function of the C++ core with the stored minima of the gap between the surfaces.
 
         With "cell" detection, pass both surfaces instead.
         """
@@ -160,7 +160,7 @@ class SurfacePair:
             or cached_candidates.deepest < deepest
             or cached_candidates.curvature != model.curvature
         ):
-            # Contact candidates are searched deeper than requested, because the next request is often deeper.
+            # The search for contact candidates goes beyond the requested approach, for later larger requests.
             cached_candidates = candidates(
                 self.upper, self.lower, deepest=_CANDIDATE_APPROACH_FACTOR * deepest, curvature=model.curvature
             )
@@ -171,7 +171,7 @@ class SurfacePair:
 def find_approaches_at_loads(
     bodies: SurfacePair, loads: Floats, *, mu0: float, tau0: float, model: ContactModel
 ) -> tuple[Floats, NDArray[np.str_]]:
-    """Return the smallest approach (µm) that supports each load (mN), and "ok" or the reason why it is NaN."""
+    """Return the smallest approach (µm) that supports each load (mN), and "ok" or the reason why there is none."""
 
     def normal_load(sums: ContactSums) -> Floats:
         return friction.FrictionLaw(mu0, tau0).load("normal", sums)
@@ -184,7 +184,7 @@ def find_approaches_at_loads(
     lower_approach, upper_approach = np.full(loads.size, np.nan), np.full(loads.size, np.nan)
     has_touched = bool(contact_sums.contact_count.any())
     # The largest approach is the approach at which all points touch.
-    # If the surfaces are parallel, the range of their gap is 0, and no approach is computed.
+    # If the surfaces are parallel, `max_approach` is 0, and no approach is computed.
     max_approach = float(np.ptp(bodies.upper.heights - bodies.lower.heights))
     num_approaches = (
         round(-np.log(_MIN_APPROACH_TO_GAP_RANGE) / np.log(_SUCCESSIVE_APPROACH_RATIO)) + 1 if max_approach > 0 else 0

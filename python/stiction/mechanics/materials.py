@@ -210,7 +210,7 @@ def materials() -> tuple[Material, ...]:
 
 
 def compliance_fraction(upper: Material, lower: Material) -> float:
-    """Return the fraction that the lower body contributes to the compliance of two bodies.
+    """Return the fraction of the elastic compliance of two bodies that is due to the lower body.
 
     Parameters
     ----------
@@ -300,7 +300,7 @@ def is_coating_formula(name: str) -> bool:
 
 
 def _is_formula_of_another_material(name: str, other_material: Material) -> bool:
-    """Return whether a name is a formula that differs from a material's name only in case, such as "TiN" and "tin"."""
+    """Return whether a name is a formula, such as "TiN", that equals a material's name ("tin") except for case."""
     letters = "".join(character for character in name if character.isalnum())
     exact_names = ("".join(filter(str.isalnum, exact_name)) for exact_name in _names_and_aliases(other_material))
     if letters in exact_names or letters in (letters.lower(), letters.upper()):

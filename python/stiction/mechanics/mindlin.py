@@ -37,7 +37,7 @@ NUM_QUADRATURE_NODES = 24
 def compliance_ratio(
     poisson: float | Sequence[float], compliance_share: float, transverse_fraction: Floats | float = 0.5
 ) -> Floats:
-    """Return the ratio of the tangential to the normal compliance of two bodies, E*/E*_t.
+    """Return E*/E*_t, the ratio of tangential to normal compliance of two bodies.
 
     The ratio is the mean of (1 - ν sin²)/(1 - ν) over the angle between the motion and the line to a force (Cerruti;
     Johnson, Contact Mechanics, 1985, eq. 3.75). `transverse_fraction` is the mean of sin²: 1/2 for circles
@@ -49,7 +49,7 @@ def compliance_ratio(
 
 
 def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
-    """Return the normal stiffness (mN/µm) of each elliptic punch, π E* a/K(1 - b²/a²), from its semi-axes a >= b.
+    """Return the normal stiffness (mN/µm) of elliptic punches with semi-axes a >= b: π E* a/K(1 - b²/a²).
 
     The formula is in Johnson (1985), section 3.8.
     """
@@ -59,7 +59,7 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
 
 
 def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
-    """Return `transverse_fraction`, an argument of `compliance_ratio`, for each elliptic contact.
+    """Return the mean of sin² in `compliance_ratio` (argument `transverse_fraction`) for each elliptic contact.
 
     `axes` are the semi-axes, and `angle` (rad) is the angle between the motion and the larger semi-axis.
     """
@@ -105,19 +105,19 @@ class AsperityTangentialProblem:
         self.normal_load = float(load.sum())
         self.sliding_load = float(law.force(load.sum(), area.sum()))
         self.stiffness = float(self.spring_stiffness.sum())
-        # From this displacement, each contact slides completely.
+        # Displacement of each contact at and above which the whole contact slides.
         self.sliding_displacement = 2 * self._spring_strengths(np.ones((load.size, 1)))[:, 0] / self.spring_stiffness
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
         """Return the slip state in which all contacts together support a tangential load (mN)."""
         from scipy.optimize import brentq
 
-        # The solution is explicit, so it needs no initial guess.
+        # The argument `near` is not used, because the explicit solution needs no initial guess.
         del near
         max_displacement = float(self.sliding_displacement.max())
         displacement = max_displacement
         if load < self.sliding_load:
-            # The load is a concave function of the displacement, so displacement >= load / (initial stiffness).
+            # The tangential load is concave in the displacement, so the displacement is at least load / stiffness.
             min_displacement = min(load / self.stiffness, max_displacement)
             displacement = brentq(
                 lambda value: self._tangential_loads(self._slip_depth(value)).sum() - load,
@@ -135,7 +135,7 @@ class AsperityTangentialProblem:
         )  # fmt: skip
 
     def dissipated_energy(self, slip: SlipState) -> float:
-        """Return the energy (mN µm) that slip dissipates in first loading from rest up to a slip state.
+        """Return the energy (mN µm) that slip dissipates in the first loading, from rest to a given slip state.
 
         The energy is Σ Q (δ - 2 Q/k) over the springs that slip at the displacement δ. Q is the strength of a spring,
         and 2 Q/k its displacement when it begins to slip, with the stiffness k of the contact.
@@ -150,13 +150,13 @@ class AsperityTangentialProblem:
         return float(((strength * slip_distance * sine) @ weights * end_angle[:, 0]).sum())
 
     def _spring_strengths(self, sine: Floats) -> Floats:
-        """Return the strengths (mN) of all springs, 3/4 mu0 F s² + 2/π tau0 A s, where s is `sine`."""
+        """Return the strengths (mN) of all springs: 3/4 mu0 F s² + 2/π tau0 A s, where s is the argument `sine`."""
         return np.asarray(
             0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
         )
 
     def _slip_depth(self, displacement: float) -> Floats:
-        """Return the relative depth of the slip zone in each contact, from 0 (no slip) to 1 (complete sliding)."""
+        """Return the relative depth of the slip zone of each contact, from 0 (full stick) to 1 (full sliding)."""
         quadratic_coefficient, linear_coefficient = (
             1.5 * self.frictional / self.spring_stiffness,
             4 / np.pi * self.adhesive / self.spring_stiffness,
@@ -221,7 +221,7 @@ class HalfSpaceTangentialProblem:
 
     @cached_property
     def _solver(self) -> _core.HalfSpaceSolver:
-        """Solver for the tangential tractions.
+        """Solver for the tangential tractions at the contact points.
 
         A copy of the problem creates its own solver.
         """
@@ -252,7 +252,7 @@ class HalfSpaceTangentialProblem:
                 f"{solution.iterations} iterations, above the tolerance {self.tolerance:g}"
             )
         traction = solution.pressure[self.points]
-        # Surfaces in full contact do not slide before a point slips. Any displacement computed before is round-off.
+        # In full contact, the bodies do not move before a point slips, so a computed displacement is only round-off.
         is_at_rest = self.stiffness == np.inf and not (traction >= self.bound).any()
         displacement = 0.0 if is_at_rest else solution.approach * self.ratio
         has_displacements = solution.potential.size == self.points.size

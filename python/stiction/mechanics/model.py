@@ -25,7 +25,7 @@ CurvatureRequirement = Literal["convex", "signed"]
 ShearDirection = Literal["+x", "-x"]
 Direction = Literal["+x", "-x"] | float
 SlidingRule = Literal["opposing", "all"]
-# Hanaor, Gan and Einav (2016) assume this effective modulus (GPa) for all surfaces.
+# Effective modulus (GPa) that Hanaor, Gan and Einav (2016) assume for all surfaces.
 DEFAULT_EFFECTIVE_MODULUS = 10.0
 PROFILE_WIDTH = 1.0  # µm
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -154,7 +154,7 @@ class ContactModel:
         return replace(self, detection=detection, curvature=curvature)
 
     def core(self) -> stiction._core.ContactModel:
-        """Return the model as an object of the C++ core, with the first direction of motion only."""
+        """Return the model as an object of the C++ core, with only the first direction of motion."""
         return self._core
 
     @cached_property
@@ -192,7 +192,7 @@ _DEFAULT_SURFACE_MODEL = _DEFAULT_MODEL.for_surfaces()
 
 
 class ContactModelArguments(TypedDict, total=False):
-    """Keyword arguments of contact functions: a `model`, and parameters that replace parameters of this model."""
+    """Keyword arguments of functions that compute contacts: `model`, and parameters that override those of `model`."""
 
     model: ContactModel
     effective_modulus: float
@@ -251,7 +251,7 @@ def check_modulus_is_given(keywords: Mapping[str, object], *bodies: Profile | Su
 
 
 def reject_missing_modulus(*sources: str) -> None:
-    """Raise a `ValueError` for the missing effective modulus if a history entry states that a body was measured."""
+    """Raise a `ValueError` about a missing `effective_modulus` if `sources` names the file of a measured body."""
     for source in filter(None, sources):
         raise ValueError(
             f"effective_modulus (GPa) must be given, because a body was {source}; the default "
@@ -285,7 +285,7 @@ def add_model_keywords_to_signature(function: _Function) -> _Function:
 
 
 def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
-    """Check that two bodies have the same type and equal spacings and, with `whole`, no missing points."""
+    """Check that two bodies have the same type and spacing and, if `whole` is true, that no points are missing."""
     for name, body in (("upper", upper), ("lower", lower)):
         as_body(name, body)
         if whole:

@@ -65,7 +65,7 @@ class TangentialProblem(Protocol):
     size: int
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
-        """Return the slip state at a tangential load (mN), at most the sliding load.
+        """Return the slip state at a tangential load (mN) that does not exceed the sliding load.
 
         `near` is an initial guess.
         """
@@ -353,7 +353,7 @@ MIN_RELATIVE_STRENGTH = 1e-9
 
 
 def resolve_index(index: Any, count: int, items: str) -> int:
-    """Check an index, which may count from the end if it is negative, and return the nonnegative index."""
+    """Return a nonnegative index for a valid index, which may be negative to count from the end."""
     try:
         checked_index = validate_whole_number("index", index, minimum=-count, maximum=count - 1)
     except ValueError:
@@ -388,7 +388,7 @@ def parse_direction(direction: Direction, *, line: bool) -> float:
 
 
 def parse_poisson_ratios(poisson: float | Sequence[float]) -> tuple[float, float]:
-    """Parse the Poisson's ratios of the upper and the lower body, given as a pair or as one number for both."""
+    """Parse Poisson's ratios of the upper and the lower body from a pair of numbers, or from one number for both."""
     given_ratios = float_array("poisson", poisson)
     if given_ratios.shape not in ((), (1,), (2,)) or not ((given_ratios > -1) & (given_ratios <= 0.5)).all():
         raise ValueError(

@@ -30,7 +30,7 @@ def grid_slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) 
 
 @dataclass(frozen=True, eq=False)
 class PatchSums:
-    """Force and area sums of each patch of k contacts, from which both loads follow for any mu0 and tau0.
+    """Forces and areas of each contact patch in k contact solutions, from which loads follow for any mu0 and tau0.
 
     Patches are stored contact by contact. Arrays have the shape (patches,) or, if they depend on the direction,
     (directions, patches).
@@ -67,12 +67,12 @@ class PatchSums:
 
     @cached_property
     def opposes_motion(self) -> NDArray[np.bool_]:
-        """Mask (directions, patches) of the patches that push the upper surface against its motion."""
+        """Mask (directions, patches) of the patches that push the upper surface against the direction of motion."""
         patch_counts = np.diff(self.first_patch, append=self.force.size)
         return np.asarray(self.leaning > np.repeat(MAX_LEVEL_PATCH_SLOPE * self.steepness, patch_counts) * self.force)
 
     def totals(self, sliding: SlidingRule) -> dict[str, Floats]:
-        """Return area (µm²) and normal force (mN) of all patches, and the friction sums of the patches with friction.
+        """Return area (µm²) and normal force (mN) of all patches, and friction sums of the patches that have friction.
 
         Sums have the shape (k,) or, if they depend on the direction, (directions, k).
         """
@@ -83,7 +83,7 @@ class PatchSums:
         }
 
     def directed_totals(self, sliding: SlidingRule) -> list[Floats]:
-        """Return each sum of `DIRECTED_TOTALS` over the patches with friction, with the shape (directions, k)."""
+        """Return the sums `DIRECTED_TOTALS` over the patches that have friction, with the shape (directions, k)."""
         sums = (self.leaning, self.upward, self.forward, self.upward_area, self.forward_area)
         if sliding == "all":
             return [self._sum_over_patches(values) for values in sums]
@@ -107,7 +107,7 @@ ContactArrays = tuple[NDArray[np.int64], Floats, Floats, NDArray[np.int32]]
 def patch_sums(
     contacts: Sequence[ContactArrays], slopes: list[Floats], cell_area: float, directions: Floats
 ) -> PatchSums:
-    """Return the friction sums of each patch of k contacts for m directions of motion.
+    """Return the force and area sums of each patch in k contact solutions, for m directions of motion.
 
     `slopes` has the slopes of the deformed interface at all grid points, along y and x or, for profiles, along x.
     `cell_area` is the area of a grid cell (µm²), and directions are unit vectors of shape (m, 2).

@@ -72,7 +72,7 @@ class ResultQuantity:
     denominator: tuple[str, ...] = ()
     # Name of the sum under load that corresponds to a sum at zero load.
     sum_under_load: str = ""
-    # Limits of the quantity's interval are clipped to this range.
+    # Range to which the limits of the quantity's interval are clipped.
     bounds: tuple[float, float] = (-math.inf, math.inf)
     # Range of the numbers that a result may store. Infinite numbers are allowed if a limit of the range is infinite.
     stored_bounds: tuple[float, float] = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
@@ -83,13 +83,13 @@ class ResultQuantity:
     column_unit: str = ""
     column_factor: float = 1.0
     # True if the quantity is roughly proportional to the load.
-    # Such a quantity is divided by the load and then interpolated, linearly in the logarithm of the load.
+    # A proportional quantity is divided by the load and then interpolated, linearly in the logarithm of the load.
     proportional: bool = False
     # False if adhesion makes the quantity nonzero without a load.
     proportional_with_adhesion: bool = True
     # True if the mean of the quantity over an ensemble is weighted by the load.
     weighted: bool = False
-    # Name of the quantity that contains the fraction of members for which only a lower bound is known.
+    # Name of another quantity: the fraction of members for which only a lower bound of this quantity is known.
     bound_fraction: str = ""
     stored: frozenset[QuantitySource] = frozenset()
     # True if results of earlier versions do not contain the quantity, which is then NaN.
@@ -145,7 +145,7 @@ _MEASURED_SOURCE: frozenset[QuantitySource] = frozenset({"measured"})
 
 
 def _make_sum_quantity(name: str, *more_sources: QuantitySource, **properties: Any) -> ResultQuantity:
-    """Return the description of a contact sum, with the unit and the words that the C++ core declares."""
+    """Return the description of a contact sum, with the unit and the label that the C++ core declares."""
     unit, words = (
         CONTACT_SUM_UNITS_AND_DESCRIPTIONS[name]
         if name in CONTACT_SUM_UNITS_AND_DESCRIPTIONS
@@ -575,7 +575,7 @@ def is_requested(name: str, names: Collection[str] | None) -> bool:
 
 
 def find_upper_bound(name: str, nominal_area: float, *, uses_half_space: bool) -> float:
-    """Return the largest number that a quantity can have, such as 1 for a fraction.
+    """Return the upper bound of a quantity, such as 1 for a fraction.
 
     The nominal area (µm²) limits the true area of half-spaces. Asperities may overlap, so their area has no limit.
     """
@@ -675,7 +675,7 @@ INTERPOLATED_QUANTITIES = tuple(
 
 
 def quantity_attributes(name: str) -> dict[str, str]:
-    """Return unit and long name of a quantity, as attributes of a dataset variable."""
+    """Return the unit and the long name of a quantity as attributes for a dataset variable."""
     quantity = QUANTITIES[name]
     return {"units": quantity.unit, "long_name": quantity.words} if quantity.unit else {"long_name": quantity.words}
 
@@ -685,13 +685,13 @@ INTERVAL_KIND_ATTRIBUTE = "interval_kind"
 
 
 def find_interval_kind(name: str, attributes: Mapping[Any, Any]) -> EstimateKind:
-    """Return the kind of a quantity's 95 % interval: the attribute of its variable or, without it, the default kind."""
+    """Return the kind of a quantity's 95 % interval from its variable's attributes, or else the default kind."""
     kind: EstimateKind = attributes.get(INTERVAL_KIND_ATTRIBUTE, QUANTITIES[name].interval_kind)
     return kind
 
 
 def column_title_and_factor(name: str) -> tuple[str, float]:
-    """Return a quantity's column title in spreadsheets, and the factor from the stored unit to the column's unit."""
+    """Return the column title of a quantity in spreadsheets, and the factor from stored unit to column unit."""
     quantity = QUANTITIES[name]
     unit = quantity.column_unit or quantity.unit
     return quantity.table_label + (f" ({unit})" if unit not in ("", "1") else ""), quantity.column_factor

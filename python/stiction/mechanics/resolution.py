@@ -32,15 +32,15 @@ TYPICAL_HARDNESSES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 
 # Longest default cutoff wavelength, as a fraction of the shortest side of the surfaces.
 _MAX_CUTOFF_RATIO = 1 / 30
-# The rule "all" comes first, because most measured values of mu0 refer to friction at all contacts.
+# The sliding rule "all" comes first, because most measured mu0 refer to friction at all contacts.
 _SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
 _FOUR_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 _PLASTIC_WAVELENGTH_DESCRIPTION = "wavelength at which the elastic mean pressure reaches the hardness"
 # The area coefficient κ = A E* h'/F at small loads. On Gaussian maps, κ is 2.05 to 2.5.
 KAPPA_AT_SMALL_LOADS = 2.2
-# These attributes of a load curve have one number per load, which is the same for all directions of motion.
+# Attributes of a load curve that have one number per load, equal for all directions of motion.
 _DIRECTION_INDEPENDENT_FIELDS = ("contact_area", "contact_count", "load_share_at_hardness", "error")
-# These result variables have other names than the attributes of a load curve.
+# Names of the result variables that differ from the attribute of a load curve.
 _VARIABLE_NAMES_BY_FIELD = {"load_share_at_hardness": "load_fraction_at_hardness"}
 
 
@@ -304,7 +304,7 @@ class _BodyPair:
 def _solve_at_loads(
     upper: Any, lower: Any, loads: Floats, directions: tuple[Direction, ...], **options: Any
 ) -> dict[str, Floats]:
-    """Solve the contact of two bodies at all loads (mN), and return the results by name.
+    """Solve the contact of two bodies at all loads (mN), and return contact quantities and load sums by name.
 
     Results of the contact have the shape (load,), sums have the shape (rule, load) and are averaged over directions.
     Both are NaN at loads for which no solution was found.
@@ -392,7 +392,7 @@ def _add_plastic_limits(
     result: xr.Dataset, body_pair: _BodyPair, loads: Floats, elastic_solution: dict[str, Floats], modulus: float,
     hardness: float | None, strengths: tuple[float, float] | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Add the plastic limit, the plastic wavelength and extrapolated elastic areas to a `resolution` dataset."""
+    """Add plastic limit, plastic wavelength and elastic areas at shorter wavelengths to a `resolution` dataset."""
     gap = body_pair.compute_gap(body_pair.upper, body_pair.lower)
     roughness = scale_dependent_roughness(gap, periodic=body_pair.periodic)
     hurst_estimate = brackets.estimate_gap_hurst_exponent(gap, body_pair.periodic)

@@ -167,7 +167,7 @@ class ShearBox:
 
     @property
     def can_have_strips(self) -> bool:
-        """True if the faces can be cut into strips: maps with free sides, but not profiles or periodic faces."""
+        """True if the faces can be cut into strips, that is, for height maps that are not periodic."""
         return self.lower.heights.ndim > 1 and self.boundary != "periodic"
 
     def find_max_strips(self, offsets: NDArray[np.int64], min_points: int = MIN_OVERLAP_POINTS) -> int:
@@ -190,9 +190,9 @@ class ShearBox:
         return int(np.argmin(np.abs(self._motion_vector)))
 
     def cut_strips(self, offsets: NDArray[np.int64], count: int | None = None) -> list[ShearBox]:
-        """Cut both faces into strips along the motion.
+        """Cut both faces into strips that run along the motion.
 
-        Return one shear test per strip, with unchanged normal stress.
+        Returns one shear test per strip, with unchanged normal stress.
 
         By default `MIN_STRIPS` to `MAX_STRIPS` strips, or none if the faces are too narrow. Strips with few measured
         points are left out. `offsets` are the positions of the test.
@@ -237,7 +237,7 @@ class ShearBox:
         return upper_start, lower_start, shape
 
     def faces_at(self, offset: NDArray[np.int64]) -> tuple[Any, Any]:
-        """Return the overlapping parts of the upper and of the lower face at an offset in grid points."""
+        """Return the overlapping regions of the upper and the lower face at an offset in grid points."""
         if self.boundary == "periodic":
             axes = tuple(range(offset.size))
             heights = np.roll(self.upper.heights, tuple(map(int, offset)), axes)
@@ -269,9 +269,9 @@ class ShearBox:
         return upper_slopes, lower_slopes
 
     def _find_edges(self, offset: NDArray[np.int64]) -> Floats:
-        """Return an array that marks the grid points of the overlap at the edges of the two faces.
+        """Return an array over the overlap with 0 or 1 at points on an edge of only one face, and NaN elsewhere.
 
-        It is 0 at an edge of the upper face only, 1 at an edge of the lower face only, and NaN elsewhere.
+        A point is 0 at an edge of the upper face only, 1 at an edge of the lower face only, and NaN elsewhere.
         """
         if self.boundary == "periodic":
             return np.full(self.lower.heights.shape, np.nan)
@@ -341,7 +341,7 @@ class ShearBox:
             return missing_values | {"overlap_area": overlap_area, "status": STATUS_NOT_SOLVED}
 
         def compare_load(elastic_load: float) -> tuple[float, float]:
-            """Return the excess of the normal load over its target, and the target (both mN).
+            """Return the excess of the normal load over the target load, and the target load (both mN).
 
             `elastic_load` (mN) is the load without friction. The normal load includes vertical forces due to friction.
             """
@@ -442,7 +442,7 @@ class ShearBox:
     def solve_peak_pressure(
         self, test: xr.Dataset, offsets: NDArray[np.int64], rows: list[StepResult], record: SolutionRecord
     ) -> xr.DataArray | None:
-        """Return a map of the contact pressure (GPa) at the peak of the shear curve.
+        """Return a map of the contact pressure (GPa) at the peak of the shear curve, where friction is largest.
 
         Returns None without a peak.
         """
@@ -503,12 +503,12 @@ def _make_slices(start: list[int], shape: list[int]) -> tuple[slice, ...]:
 
 
 def _select_points(face: Any, selection: tuple[slice, ...]) -> Any:
-    """Return the part of a face within a range of grid rows and columns."""
+    """Return the points of a face within a range of grid rows and columns, as a new face."""
     return replace(face, heights=face.heights[selection], history=(), missing=select_from_mask(face.missing, selection))
 
 
 def _close_round_off_gap(upper: Any, lower: Any) -> tuple[Any, Any]:
-    """Return the upper and the lower face, made equal if their gap varies only by round-off."""
+    """Give the upper face the heights of the lower face if the gap varies only by round-off, and return both."""
     missing = combine_missing_masks(upper, lower)
     gap = upper.heights - lower.heights if missing is None else (upper.heights - lower.heights)[~missing]
     if np.ptp(gap) > MAX_ROUND_OFF_GAP * np.ptp(lower.heights):
@@ -525,12 +525,12 @@ def _compute_measured_area(upper: Profile | Surface, lower: Profile | Surface) -
 def _search_contact_force(
     compare_load: Callable[[float], tuple[float, float]], load_guess: float, load: float, max_load: float
 ) -> Status:
-    """Search for the contact force (elastic load) that gives the target normal load, and return the search status.
+    """Search for the elastic load (mN) at which the normal load has its target value, and return a status.
 
     `compare_load` returns the excess of the normal load over its target, and the target, at an elastic load (mN). The
     method is a bracketed secant method. The last call of `compare_load` is at the elastic load that was found.
     """
-    # The solution lies between these elastic loads (mN).
+    # Limits (mN) between which the elastic load is searched for.
     lower_load_limit, upper_load_limit = 0.0, max_load
     trial_load, last_trial = min(load_guess, 0.9 * max_load), None
     for _ in range(MAX_LOAD_TRIALS):
@@ -625,7 +625,7 @@ def shear_gap(test: xr.Dataset) -> Profile | Surface:
 
 
 def summarize_curve(dataset: xr.Dataset) -> dict[str, Any]:
-    """Return the attributes of a shear curve: coefficient, displacement and status at the peak, and final coefficient.
+    """Return attributes of a shear curve: coefficient, displacement and status at the peak, and final coefficient.
 
     The peak is NaN if the faces lock. The final coefficient is NaN if the faces slide without a tangential load.
     """

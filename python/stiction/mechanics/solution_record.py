@@ -13,7 +13,7 @@ StepResult = dict[str, Any]
 
 
 class SolutionRecord:
-    """Record of a computation: its methods run the steps, and its counter counts the solver iterations.
+    """Record of a computation in steps: methods that run the steps, and a counter of solver iterations.
 
     A step, such as the contact at one load, depends only on the inputs of the computation and on earlier steps. A
     subclass may therefore store the results of steps: a computation that is repeated reads them instead of computing
@@ -24,11 +24,11 @@ class SolutionRecord:
         self.counter = _core.IterationCounter()
 
     def __reduce__(self) -> tuple[type[SolutionRecord], tuple[()]]:
-        """Replace the record by a new, empty record in copies and pickles."""
+        """Return the constructor of an empty record, because copies and pickles of a record contain no steps."""
         return SolutionRecord, ()
 
     def run_step(self, compute: Callable[[], StepResult], error_type: type[NoSolutionError]) -> StepResult:
-        """Return the result of the next step, which is computed unless the result is stored.
+        """Return the result of the next step: the stored result if there is one, otherwise the computed result.
 
         If `compute` raises an error of the type `error_type`, the error is stored, and is raised again whenever the
         step is repeated. This class stores nothing.
@@ -36,8 +36,8 @@ class SolutionRecord:
         return compute()
 
     def read_state(self) -> StepResult | None:
-        """Return the stored state of the current step if an earlier computation was interrupted within this step."""
+        """Return the stored state of the current step if an earlier run was interrupted in this step, or None."""
         return None
 
     def offer_state(self, get_state: Callable[[], StepResult]) -> None:
-        """Store the state of the current step, unless a state was stored a short time ago."""
+        """Store the state of the current step, unless a state was stored only a short time ago."""

@@ -34,12 +34,12 @@ from stiction.mechanics.solution_record import SolutionRecord, StepResult
 # Largest distance of the resultant force from the centre along an axis, as a fraction of the side length.
 MAX_RELATIVE_FORCE_OFFSET = 1e-4
 MAX_TILT_SOLVES_PER_LOAD = 60
-# Largest displacement of the edge by one change of the tilt, in standard deviations of the gap.
+# Largest displacement of the surface's edge by one change of the tilt, in standard deviations of the gap.
 MAX_EDGE_DISPLACEMENT_STEP = 0.5
-# Number added to the moment per unit slope, so that the Newton equations have a solution.
+# Number that is added to the moment per unit slope, so that Newton's equations have a solution.
 # The unit of the number is (mean pressure) · (side length)² / (standard deviation of the gap).
 MIN_MOMENT_RESPONSE = 1e-6
-# Tolerance of displacements in the search that starts from rigid surfaces, relative to the largest displacement.
+# Tolerance of displacements, relative to the largest displacement, in the search that starts from rigid surfaces.
 INDENTATION_TOLERANCE = 1e-6
 MAX_CUTTING_PLANES = 200
 # Accepted error of the potential energy of rigid surfaces, as a fraction of (load) · (range of the gap).
@@ -95,7 +95,7 @@ def solve_with_balanced_tilt(
             slope_step *= min(
                 1.0, MAX_EDGE_DISPLACEMENT_STEP * gap_deviation / float(np.abs(slope_step * side_lengths / 2).max())
             )
-            # A change of the tilt that goes far beyond the maximum of the energy reverses the moments, so it is halved.
+            # A change of the tilt far beyond the maximum of the energy reverses the moments. Such a change is halved.
             while num_tried < MAX_TILT_SOLVES_PER_LOAD:
                 num_tried += 1
                 candidate = solve_contact_and_moments(
@@ -167,7 +167,7 @@ def find_rigid_tilt(problem: HalfSpaceProblem, total_pressure: float) -> Floats:
         planes.append([*-moments, 1.0])
         offsets.append(energy - float(moments @ slopes))
         solution = linprog([*np.zeros(len(arms)), -1.0], A_ub=planes, b_ub=offsets, bounds=slope_bounds)
-        # The simplex solution has a coarse tolerance, so the vertex is computed exactly from the active planes.
+        # The vertex is computed exactly from the active planes, because the simplex solution has a coarse tolerance.
         vertex, active_planes = solution.x, np.argsort(solution.slack)[: len(arms) + 1]
         if len(planes) > len(arms) and np.linalg.matrix_rank(np.array(planes)[active_planes]) == len(arms) + 1:
             vertex = np.linalg.solve(np.array(planes)[active_planes], np.array(offsets)[active_planes])

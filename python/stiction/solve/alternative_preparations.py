@@ -42,7 +42,7 @@ and in 31 % after the tip reconstruction alone.
 
 
 def build_alternative_study(study: Study, name: AlternativeName) -> Study:
-    """Return a copy of a study whose scans have no outliers and, for the alternative *tip*, a larger tip correction.
+    """Return a copy of a study with outliers removed from the scans and, for *tip*, with a larger tip correction.
 
     Both alternatives mask outliers, because a tip correction would broaden downward spikes. In a study that does not
     allow missing points, the heights of outliers are interpolated.
@@ -73,7 +73,7 @@ def load_stored_alternatives(sums: MemberSums) -> dict[AlternativeName, MemberSu
 
 
 def _open_results_of_alternative_preparations(result: StoredResult) -> dict[AlternativeName, MemberSums] | None:
-    """Open the finished results for alternative preparations, or return None if no such result is stored."""
+    """Open the finished results for alternative preparations of the scans; None if no such result is stored."""
     if not result.study.is_measured or not (result.path / ALTERNATIVES_DIRECTORY).is_dir():
         return None
     alternatives = {

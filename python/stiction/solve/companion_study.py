@@ -18,7 +18,7 @@ from stiction.solve.runner import complete_blocks, prepare_result_directory
 from stiction.solve.store import STUDY_FILE, StoredResult, open_result_to_complete, open_stored_result, remove_result
 from stiction.study.study import Study, find_member_differences
 
-# A computation calls this function before it starts, with its estimated time (s) on one core.
+# Function that a computation calls before it starts, with its estimated time (s) on one core.
 TimeAnnouncer = Callable[[float], Any]
 
 
@@ -30,7 +30,7 @@ class CompanionStudy:
     directory: Path
 
     def open(self, *, allow_unfinished: bool = False) -> MemberSums | None:
-        """Open the stored contact sums of the companion study, for evaluation with any mu0 and tau0.
+        """Open the stored contact sums of the companion study, which can be evaluated with any mu0 and tau0.
 
         Contact sums are forces and areas, summed over the contacts of each member.
 
@@ -42,7 +42,7 @@ class CompanionStudy:
         try:
             stored_result = open_stored_result(self.directory)
         except ValueError:
-            # The error occurs if the directory is damaged.
+            # The directory of the companion study is damaged.
             return None
         if find_member_differences(stored_result.study, self.study):
             return None

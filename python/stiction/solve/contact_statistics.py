@@ -19,7 +19,7 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     from stiction.mechanics.half_space_problem import ContactSolution
 
-# Fraction of a body's grid points that count as steep, namely the points with the largest slopes.
+# Fraction of a body's grid points that count as steep: the points with the largest slopes.
 STEEP_POINT_FRACTION = 0.1
 
 QUANTILE_PROBABILITIES = tuple(round(0.05 * step, 2) for step in range(1, 20))
@@ -31,14 +31,14 @@ MAX_CELLS_OF_SMALL_CONTACT = 4
 
 @dataclass(frozen=True, eq=False)
 class PairSlopeStatistics:
-    """Slopes of two bodies at their grid points: masks of steep points per body, and mean square slopes of the gap."""
+    """Slope statistics of two bodies: masks of the steep grid points, and mean square slopes of the gap."""
 
     steep_masks: dict[str, NDArray[np.bool_]]
     # Smallest slope of the steep points of each body.
     steepness_limits: dict[str, float]
     # Mean square slopes of the gap: along y and x for maps, along x for profiles.
     gap_mean_squares: list[float]
-    # Mean of (slope along y) · (slope along x) of the gap. It is 0 for profiles.
+    # Mean of (slope along y) · (slope along x) of the gap, or 0 for profiles.
     gap_mean_product: float
 
     @classmethod
@@ -95,11 +95,11 @@ def compute_slopes(body: Profile | Surface) -> list[Floats]:
 
 @dataclass(frozen=True, eq=False)
 class ContactList:
-    """All contacts between two bodies at one load, with lengths in µm, and the distribution of the contact pressure."""
+    """Arrays with one item per contact between two bodies at one load, and the distribution of contact pressure."""
 
     # Position (µm) of each contact along x, weighted by the pressure.
     x: Floats
-    # Position (µm) of each contact along y, weighted by the pressure. It is 0 for profiles.
+    # Position (µm) of each contact along y, weighted by the pressure, or 0 for profiles.
     y: Floats
     # Normal force on each contact (mN).
     force: Floats
@@ -107,13 +107,13 @@ class ContactList:
     area: Floats
     # Mean slope of each contact along x. A contact opposes motion in the direction in which its slope is positive.
     slope_x: Floats
-    # Mean slope of each contact along y. It is 0 for profiles.
+    # Mean slope of each contact along y, or 0 for profiles.
     slope_y: Floats
     # Number of grid cells that each contact covers. It is fractional for asperities.
     cells: Floats
     # True for each contact that reaches the edge of the grid.
     at_edge: NDArray[np.bool_]
-    # Contact pressures (GPa) at which the distribution of the pressure is given.
+    # Contact pressures (GPa) of the pressure distribution, with one entry in `weight` for each.
     pressure: Floats
     # Weight of each contact pressure, proportional to the area with this pressure.
     weight: Floats
@@ -130,7 +130,7 @@ class ContactList:
 def compute_patch_statistics(
     solutions: Sequence[ContactSolution], slopes: PairSlopeStatistics
 ) -> dict[str, NDArray[np.float64]]:
-    """Compute the contact statistics that a result stores, from half-space solutions at several loads (first axis).
+    """Compute the contact statistics of half-space solutions at several loads (first axis) for storage in a result.
 
     Load fractions on the steepest points are on the steepest 10 % of the grid points of each body.
     """
@@ -205,7 +205,7 @@ def compute_steep_contact_load_fraction(table: ContactList, slopes: PairSlopeSta
 
 
 def compute_sample_quantiles(values: Floats, probabilities: Sequence[float]) -> Floats:
-    """Compute quantiles of samples along the first axis of an array, ignoring NaN.
+    """Compute quantiles along the first axis of an array, ignoring NaN.
 
     The quantiles equal those of `numpy.nanquantile`, which loops over columns and takes ten times as long.
     """

@@ -110,7 +110,7 @@ def evaluate_in_copy(function: Callable[[], _Result]) -> Iterator[Callable[[], _
 
     with receiver:
         try:
-            # Starting a process fails if processes or memory are limited.
+            # Starting a process fails if a limit on processes or memory is reached.
             with sender, contextlib.suppress(OSError):
                 _start_without_interrupts(process)
             yield receive_value
@@ -132,7 +132,7 @@ def _start_without_interrupts(process: ForkProcess) -> None:
 
 
 def _can_be_copied() -> bool:
-    """Return whether this process can be forked safely, in order to use another core.
+    """Return whether a forked copy of this process is safe and can use another core.
 
     A copy has none of the other threads, which may hold locks. On macOS, system libraries do not work in copies.
     """
@@ -145,7 +145,7 @@ def _can_be_copied() -> bool:
 
 
 def _send_value(function: Callable[[], Any], receiver: Connection, sender: Connection) -> None:
-    """Evaluate a function and send its value to the original process, or end silently after an error or Ctrl-C.
+    """Send the value of a function to the original process, or end silently after an error or Ctrl-C.
 
     The copy also ends if the original process is killed.
     """
@@ -183,7 +183,7 @@ def wrap_to_use_idle_threads(
 def progress_bar(
     label: str, total: int, finished: int, enabled: bool, estimate_progress: Callable[[], float] = lambda: 0.0
 ) -> Iterator[Callable[..., None]]:
-    """Show a progress bar, and yield a function that advances it by a number of finished tasks.
+    """Show a progress bar, and yield a function that adds newly finished tasks to the bar.
 
     A terminal or a notebook shows a progress bar after the first call of this function. Other output receives a line
     every `PROGRESS_LINE_INTERVAL`. `estimate_progress` returns the sum of the finished fractions of all running tasks.
@@ -228,7 +228,7 @@ def progress_bar(
 
 
 def _may_show_progress_bar() -> bool:
-    """Return whether this process may have a terminal or a notebook that can show a progress bar.
+    """Return whether a terminal or a notebook may be able to show a progress bar.
 
     If True is returned, `rich` decides. Its import takes 50 ms.
     """

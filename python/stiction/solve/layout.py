@@ -65,7 +65,7 @@ class ArraySpec:
 def coordinate_specs_and_values(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None
 ) -> dict[str, tuple[ArraySpec, NDArray[Any]]]:
-    """Return the specification and the values of each coordinate of a result, by name.
+    """Return the specification and the array of each coordinate of a result, by coordinate name.
 
     The coordinates are in the order of the dimensions. `repetitions` selects the members, by default all.
     """
@@ -116,12 +116,12 @@ def variable_specs(
 
 
 def compute_bytes_per_member(study: Study) -> int:
-    """Return the size (bytes) that all arrays of one member have in memory."""
+    """Return the memory (bytes) that all arrays of one member take."""
     return sum(spec.nbytes for spec in variable_specs(study, [0]).values())
 
 
 def compute_members_per_piece(size: int) -> int:
-    """Return how many members of `size` bytes are loaded together: a power of 2 that fits `MAX_PIECE_BYTES`."""
+    """Return how many members of `size` bytes fit in `MAX_PIECE_BYTES`: a power of 2, at least 1."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 
@@ -150,7 +150,7 @@ def _list_dims(study: Study, name: str) -> tuple[str, ...]:
 
 
 def stack_members(study: Study, members: Sequence[ArraysByName]) -> ArraysByName:
-    """Stack the arrays of several members along a new axis, which follows axes such as the cutoff or amplitude."""
+    """Stack the arrays of several members along a new axis for the members, which follows axes such as the cutoff."""
     axis = len(study.surfaces.cell_coordinates())
     return {
         name: np.stack([member[name] for member in members], axis=0 if name in MEMBER_COORDINATE_TYPES else axis)
@@ -162,7 +162,7 @@ def build_dataset(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp], arrays: Mapping[str, NDArray[Any]],
     bodies: BodyAttributes | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Build the dataset of a result from the arrays that `stack_members` returned, after a check of their shapes.
+    """Build the dataset of a result from the arrays that `stack_members` returned, and check the array shapes.
 
     The dataset has the variables in `names`, by default all.
     """
@@ -288,7 +288,7 @@ def nondimensional(
 
 
 def arrange_axes(variable: xarray.Variable, dims: Iterable[str]) -> NDArray[Any]:
-    """Return the values of a variable with its dimensions in the given order.
+    """Return the array of a variable with the dimensions in the given order.
 
     Transposing the array is several times faster than transposing the variable.
     """
@@ -296,7 +296,7 @@ def arrange_axes(variable: xarray.Variable, dims: Iterable[str]) -> NDArray[Any]
 
 
 def share_read_only(value: _Value) -> _Value:
-    """Return a shallow copy of a cached dataset, in which all arrays are read-only.
+    """Return a dataset with the arrays of a cached dataset, read-only, so that callers can share the arrays.
 
     Values of other types are returned unchanged.
     """

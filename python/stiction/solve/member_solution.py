@@ -132,7 +132,7 @@ def solve_at_loads(
 
 
 def _build_unsolved_values(name: str, motion_shape: tuple[int, int], num_loads: int) -> NDArray[Any]:
-    """Return the values of a variable at loads for which the solver fails: NaN, 0 contacts or "not-solved"."""
+    """Return placeholders for a variable at loads where the solver fails: NaN, 0 contacts or "not-solved"."""
     sizes = {
         "sliding": motion_shape[0],
         "direction": motion_shape[1],
@@ -146,7 +146,7 @@ def _build_unsolved_values(name: str, motion_shape: tuple[int, int], num_loads: 
 
 
 def _list_profile_directions(contact: CommonContactSettings) -> list[ShearDirection]:
-    """Return the directions of motion of profiles that a section `[contact]` specifies: "+x", "-x" or both."""
+    """Return the directions of motion of profiles that a section `[contact]` specifies: "+x", "-x", or both."""
     return ["+x" if math.cos(math.radians(angle)) > 0 else "-x" for angle in contact.direction_angles()]
 
 
@@ -232,7 +232,7 @@ def _solve_asperities(
     solved_loads = np.flatnonzero(status == STATUS_OK)
     if not solved_loads.size:
         return
-    # With the detection `gap_minimum`, each contact starts with zero load, so the load curve has no jumps.
+    # With the detection method `gap_minimum`, each contact starts with zero load, so the load curve has no jumps.
     approach_fractions = [
         1 - STIFFNESS_DIFFERENCE_STEP,
         1 - LOAD_JUMP_DISTANCE * (first_model.detection == "cell"),
@@ -309,7 +309,7 @@ class PressedPair:
     lower: Any
     # Load curve with a single load, for motion along +x.
     curve: HalfSpaceCurve | LoadCurve
-    # Contact model of single asperities. It is None in the half-space model.
+    # Contact model of single asperities, or None in the half-space model.
     model: ContactModel | None = None
 
     @classmethod
@@ -382,7 +382,7 @@ The keys are False for lines and True for maps.
 """
 
 ITERATIONS_PER_LOAD = 15
-# Largest estimated number of iterations with adhesion, for lines (False) and maps (True).
+# Largest estimated number of iterations of an adhesive contact, for lines (False) and maps (True).
 # Each step of an energy minimization counts as an iteration.
 MAX_ADHESION_ITERATIONS = {False: 10_700, True: 3100}
 ADHESION_ITERATION_FACTORS = {False: 100_000, True: 5000}
@@ -398,7 +398,7 @@ _reusable_arrays = threading.local()
 
 
 def compute_member_arrays(study: Study, index: int, record: SolutionRecord | None = None) -> ArraysByName:
-    """Compute all variables of one member of a study at all loading steps, as arrays without an axis for members.
+    """Compute all variables of one member at all loading steps, as arrays without an axis for members.
 
     The half-space model reports its iterations and its finished loads to the record.
 
@@ -456,7 +456,7 @@ def estimate_member_time(study: Study) -> float:
 
 
 def estimate_member_iterations(study: Study) -> float:
-    """Estimate the number of solver iterations that one member takes in the half-space model, at all loads together."""
+    """Estimate the total number of solver iterations for one member in the half-space model, over all its loads."""
     num_cells = math.prod(values.size for values in study.surfaces.cell_coordinates().values())
     num_loads = study.contact.loading_steps().size
     if not study.contact.adheres:
@@ -465,7 +465,7 @@ def estimate_member_iterations(study: Study) -> float:
 
 
 def _estimate_adhesion_iterations(study: Study) -> float:
-    """Estimate how many iterations the pull-off force and slowly converging contacts take, up to a maximum."""
+    """Estimate the iterations for the pull-off force and for slowly converging adhesive contacts."""
     factor = ADHESION_ITERATION_FACTORS[study.is_areal]
     min_ratio = factor / MAX_ADHESION_ITERATIONS[study.is_areal]
     return factor / max(_estimate_elasticity_to_adhesion_ratio(study), min_ratio)
@@ -515,7 +515,7 @@ def _estimate_elasticity_to_adhesion_ratio(study: Study) -> float:
 def _solve_generated_member(
     study: Study, repetition: int, record: SolutionRecord | None
 ) -> Iterator[tuple[Any, ArraysByName]]:
-    """Compute the contact sums of one generated member in each cell, that is, for each fractal dimension and amplitude.
+    """Compute the contact sums of one generated member for each cell, that is, fractal dimension and amplitude.
 
     Yields the indices of one or several cells with their contact sums.
     """
@@ -620,7 +620,7 @@ def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slic
 
 
 def _get_reused_array(shape: tuple[int, ...]) -> Floats:
-    """Return an uninitialised array, which each thread reuses in all its tasks because allocation is slow.
+    """Return an uninitialised array that each thread reuses in all tasks, because allocation is slow.
 
     The array is aligned to cache lines of the processor, so that vector writes do not cross cache lines.
     """
@@ -662,7 +662,7 @@ def _solve_measured_member(
 
 
 def find_elastic_members(study: Study) -> range:
-    """Return the indices of the members whose elastic area is also computed if the bodies yield."""
+    """Return the indices of the members whose area without yielding is computed too, if the bodies yield."""
     count = NUM_ELASTIC_PROFILE_MEMBERS
     if study.is_areal:
         is_large = count_grid_points(study) >= MIN_LARGE_MAP_POINTS

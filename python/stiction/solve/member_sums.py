@@ -38,21 +38,21 @@ class MemberSums:
 
     @classmethod
     def of(cls, sums: MemberSums | xarray.Dataset | StoredResult) -> Self:
-        """Wrap a dataset, a stored result or other member sums in an instance of this class."""
+        """Wrap a dataset, a stored result or another `MemberSums` object in an instance of this class."""
         import xarray
 
         if isinstance(sums, cls):
             return sums
         if isinstance(sums, MemberSums):
             converted_sums = cls(sums.source)
-            # The original and the converted object share all cached arrays.
+            # The converted object shares all cached arrays with the original object.
             vars(converted_sums).update(vars(sums))
             return converted_sums
         check_instance("result", sums, (xarray.Dataset, StoredResult), "a Result, or an xarray.Dataset of member sums")
         return cls(sums)
 
     def with_study(self, study: Study) -> MemberSums:
-        """Return the same contact sums with another study, for example with other mu0 and tau0."""
+        """Return the same contact sums for evaluation with another study, for example with other mu0 and tau0."""
         sums = MemberSums(self.source)
         sums.study = study
         return sums
@@ -82,7 +82,7 @@ class MemberSums:
 
     @property
     def head(self) -> xarray.Dataset:
-        """Dataset for reading the coordinates and attributes of the result, possibly with a single member.
+        """Coordinates and attributes of the result, in a dataset that may contain only one member.
 
         For a stored result, the dataset contains the sums of the first finished member only. Raises a `StoreError` if
         no member is finished.
@@ -92,7 +92,7 @@ class MemberSums:
     @cached_property
     def _first_member(self) -> xarray.Dataset:
         assert isinstance(self.source, StoredResult)
-        # If no member is finished, `StoredResult.dataset` raises the appropriate error.
+        # `StoredResult.dataset` raises the error for a result without finished members.
         return share_read_only(self.source.first_member() if self.source.num_finished else self.source.dataset())
 
     @cached_property
@@ -132,7 +132,7 @@ class MemberSums:
             yield selected_dataset.isel(repetition=slice(piece_start, piece_start + piece_size))
 
     def means(self, names: Iterable[str]) -> xarray.Dataset:
-        """Average variables over all solved members at each loading step; NaN at steps where no member was solved.
+        """Return means of variables over all solved members at each loading step; NaN where no member was solved.
 
         Only one piece of the result is in memory at a time.
         """
@@ -167,7 +167,7 @@ class MemberSums:
         return share_read_only(self.means(["normal_elastic"]))["normal_elastic"]
 
     def load_companion(self, read: Callable[[StoredResult], _Value | None]) -> _Value | None:
-        """Load data from the directory of the stored result with the function `read`, and cache the data.
+        """Load data with the function `read` from the directory of the stored result, and cache the data.
 
         Returns None for results in memory. The arrays of datasets are read-only. The value None is not cached, because
         an unfinished run may add the data later.

@@ -61,11 +61,11 @@ class MembersInProgress:
 
     @cached_property
     def _steps_key(self) -> str:
-        """Checksum of everything that can affect the bits of a member: study, software and machine."""
+        """Key of the stored steps: a checksum of study, software and machine."""
         return compute_steps_key(self._study.to_toml())
 
     def add(self, member: int) -> SolutionRecord:
-        """Add a member, and return its new record, which contains the steps stored by an interrupted run."""
+        """Add a member, and return a new record, which contains the steps that an interrupted run stored."""
         record = (
             SolutionRecord() if self._directory is None else stored_record(self._directory, member, self._steps_key)
         )
@@ -95,7 +95,10 @@ class MembersInProgress:
 
 
 def compute_steps_key(inputs: str) -> str:
-    """Compute a checksum of study, software and machine, which together determine every bit of a stored step."""
+    """Compute the key of stored steps: a checksum of study, software and machine.
+
+    Steps with the same key are equal in every bit.
+    """
     import scipy
 
     checksum_inputs = (
@@ -107,7 +110,7 @@ def compute_steps_key(inputs: str) -> str:
 
 @cache
 def _hash_solver_modules() -> str:
-    """Return a checksum of the Python modules that decide which steps a solution consists of."""
+    """Return a checksum of the Python modules that determine the steps into which a solution is divided."""
     modules = sorted(Path(mechanics.__file__).parent.glob("*.py"))
     return hashlib.sha256(b"".join(path.read_bytes() for path in modules)).hexdigest()
 
@@ -134,7 +137,7 @@ def find_members_in_progress(directory: Path) -> set[int]:
 
 
 def find_steps_with_other_keys(directory: Path, member: int, key: str) -> list[Path]:
-    """Return the directories of a member's stored steps that have another checksum than `key`.
+    """Return the directories with steps of a member that were stored with a checksum other than `key`.
 
     Such steps belong to other inputs, other software or another machine.
     """
@@ -174,7 +177,7 @@ def _list_member_directories(directory: Path) -> list[tuple[int, Path]]:
 
 
 class _StoredRecord(SolutionRecord):
-    """Record of the finished steps of a member in a directory, which also serves to resume an interrupted run."""
+    """Record that stores the finished steps of a member in a directory, and resumes an interrupted run."""
 
     def __init__(self, directory: Path) -> None:
         super().__init__()
@@ -235,7 +238,7 @@ class _StoredRecord(SolutionRecord):
         return self._is_writable and time.monotonic() - self._last_time > STORAGE_INTERVAL
 
     def _write_steps(self, state: StepResult) -> None:
-        """Write the results of newly finished steps, and the state of the current step, to files.
+        """Write the results of newly finished steps and the state of the current step to files.
 
         A failure to write does not end the computation; after an interruption, the member is computed again.
         """

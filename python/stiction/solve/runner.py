@@ -57,14 +57,14 @@ if TYPE_CHECKING:
     import xarray
 
 # Target computing time (s) of a block.
-# A short time limits the work that a crash loses.
-# Writing a block must take only a few per cent of the computing time.
+# The shorter a block takes, the less work is lost in a crash.
+# A block must take long enough that writing takes only a few per cent of the computing time.
 TARGET_BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
 # Minimum number of blocks in a run, so that no worker waits long for the last block.
 MIN_BLOCKS_PER_RUN = 16
-# Minimum computing time (s) of a block. The first file of each size takes 0.1 s to write.
+# Minimum computing time (s) of a block. The first block file of each size takes 0.1 s to write.
 MIN_BLOCK_TIME = 0.2
 # Maximum number of submitted tasks if workers write the block files.
 MAX_SUBMITTED_TASKS = 1000
@@ -73,7 +73,7 @@ MAX_TASKS_THAT_RETURN_BLOCKS = 256
 PROGRESS_INTERVAL = 0.5  # s
 # Time (s) that an interrupted run waits for unfinished blocks.
 SHUTDOWN_TIMEOUT = 3.0
-# Maximum size (bytes) of a result that is kept in memory, and of one repetition of any result.
+# Maximum size (bytes) of a result that is kept in memory, and maximum size of one repetition of any result.
 MAX_BYTES_IN_MEMORY = 2**34
 
 
@@ -163,7 +163,7 @@ def complete_blocks(
     was too low. `meanwhile` is called once while the workers compute. Raises the errors of `compute_missing_blocks`.
     """
     unfinished_members = _UnfinishedMembers(stored_result, part)
-    # A run that was killed may have left the step files of members whose block it had stored.
+    # A killed run may have left behind the step files of members whose block was already stored.
     remove_stored_steps(stored_result.path, stored_result.finished_members)
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(executor_or_thread_pool(executor))
@@ -271,7 +271,7 @@ def _create_run_token(path: Path) -> Iterator[SharedResultDirectory]:
 
 @contextlib.contextmanager
 def _add_finished_count_to_errors(stored_result: StoredResult) -> Iterator[None]:
-    """Add the number of finished members to the messages of errors about storage or lost workers."""
+    """Add the number of finished members to error messages about storage, or about workers that died."""
     try:
         yield
     except (StoreError, BrokenExecutor) as error:
@@ -318,14 +318,14 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
     return build_dataset(study, range(unfinished_members.total), arrays, find_body_attributes(study))
 
 
-# Above this estimated time (s) on all threads, a run prints advice on how to shorten it.
+# Estimated time (s) on all threads above which a run prints advice on how to shorten the computation.
 LONG_RUN_TIME = 600.0
 
 
 def _describe_remaining_work(
     stored_result: StoredResult, unfinished_members: _UnfinishedMembers, is_visible: bool, workers: int
 ) -> str:
-    """Describe the work ahead in one line: members, time, files, and the free disk space if it may not suffice."""
+    """Describe the remaining work in one line: members, time, files, and the free disk space if it may not suffice."""
     study = stored_result.study
     free_bytes = shutil.disk_usage(stored_result.path).free
     num_files = sum(1 for _ in unfinished_members)
@@ -354,7 +354,7 @@ def _describe_remaining_work(
 
 # A new estimate of the run time is printed only if the remaining time (s) is at least this long.
 MIN_REPORTED_TIME = 60.0
-# A new estimate is printed only if a member takes at least this many times its estimated time.
+# A new estimate of the run time is printed only if a member takes at least this many times its estimated time.
 MIN_TIME_RATIO_FOR_NEW_ESTIMATE = 1.5
 
 
@@ -374,10 +374,7 @@ def _format_revised_time_estimate(
 
 
 class _UnfinishedMembers:
-    """Ranges of members that a run still has to compute.
-
-    Each range lies within one block.
-    """
+    """Ranges of members that a run still has to compute, each within one block."""
 
     def __init__(self, stored_result: StoredResult, part: tuple[int, int] | None) -> None:
         num_members = stored_result.study.ensemble.repetitions
@@ -397,7 +394,7 @@ class _UnfinishedMembers:
         for block in self._blocks:
             first_index = block * self.block_size
             is_finished = self._is_finished[first_index : first_index + self.block_size]
-            # The edges are alternately the start and the exclusive end of a range of missing members.
+            # `edges` contains the first index of each range of missing members, followed by the index after the range.
             edges = np.flatnonzero(np.diff(np.concatenate([[True], is_finished, [True]]).astype(np.int8)))
             for start, end in edges.reshape(-1, 2).tolist():
                 yield range(first_index + start, first_index + end)
@@ -408,7 +405,7 @@ def _submit_member_ranges(
     advance: Callable[[int], None], task: Callable[..., Any], *arguments: Any,
     meanwhile: Callable[[], object] = import_dataset_packages,
 ) -> None:  # fmt: skip
-    """Submit a task for each range of missing members to a pool, and pass each result to `accept`.
+    """Run a task for each range of missing members in a pool, and pass each result to the function `accept`.
 
     `meanwhile` is called after the first tasks are submitted. While tasks run, `advance` is called with 0, which
     updates the displayed progress. At most `max_tasks` tasks are queued at a time. An error cancels the remaining
@@ -471,7 +468,7 @@ def compute_block(
     version: str, study: Study, directory: SharedResultDirectory | None, members: range,
     members_in_progress: MembersInProgress | None = None,
 ) -> bytes | None:  # fmt: skip
-    """Compute a block of members, and write the block file or, if the directory is not accessible, return its bytes."""
+    """Compute a block of members and write the block file, or return its bytes if the directory is inaccessible."""
     if directory is not None and directory.is_accessible():
         members_in_progress = _create_members_in_progress(study, directory.path)
     content = encode_members(study, members, compute_block_arrays(version, study, members, members_in_progress))

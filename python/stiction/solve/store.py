@@ -97,7 +97,7 @@ ONSET_FILE = "onset.nc"
 ONSET_TABLE_FILE = "onset.csv"
 STUDY_FILE_SIGNATURE = "# Written by stiction"
 _STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction [^\n]*\. CRC-32 of the text below: ([0-9a-f]{8})\.")
-# Earlier versions wrote this first line to a study file, without a checksum.
+# First line of study files from earlier versions of stiction, which wrote no checksum.
 _OLD_STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction (\S+)\.")
 MAX_RESULT_BYTES = 2**31
 MAX_COMPANION_FILE_BYTES = 2**26
@@ -111,7 +111,7 @@ class StoreError(ValueError):
 
 @dataclass(frozen=True)
 class BlockFile:
-    """Block file, identified by the parts of its name: first member, last member, and checksum of the content."""
+    """Block file. The file name contains the first member, the last member and a checksum of the content."""
 
     first: int
     last: int
@@ -243,7 +243,7 @@ class StoredResult:
 
     @cached_property
     def _members_per_piece(self) -> int:
-        """Number of members in each group that `pieces` yields."""
+        """Number of members in each group that the method `pieces` yields."""
         return compute_members_per_piece(compute_bytes_per_member(self.study))
 
     @cached_property
@@ -304,11 +304,11 @@ class StoredResult:
 
     @cached_property
     def _checked_blocks(self) -> set[BlockFile]:
-        """Block files that passed a complete check, so that single variables can be read without another check."""
+        """Block files that have passed a complete check. Single variables of these files are read without a check."""
         return set()
 
     def _read_block(self, block: BlockFile) -> BlockFileContent:
-        """Read a block file, check it against the checksum and the members in its name, and return its content."""
+        """Read a block file, compare it with the checksum and the members in the file name, and return the content."""
         with self._convert_read_errors(block):
             file_content = self._read_block_bytes(block)
             if zlib.crc32(file_content) != block.checksum:
@@ -431,7 +431,7 @@ def _read_dataset(file: h5py.File) -> xarray.Dataset:
         attributes = _read_attributes(variable)
         if DIMENSION_WITHOUT_VARIABLE_TEXT.encode() in bytes(variable.attrs.get("NAME", b"")):
             continue
-        # netCDF stores truth values as integers, which xarray marks with the attribute `dtype`.
+        # netCDF stores Boolean values as integers, which xarray marks with the attribute `dtype`.
         if attributes.pop("dtype", "") == "bool":
             values = values.astype(np.bool_)
         dims = [name] if variable.is_scale else [dim[0].name.removeprefix("/") for dim in variable.dims]
@@ -511,7 +511,7 @@ def load_shear_test(directory: Path) -> xarray.Dataset | None:
 
 
 def open_result_to_complete(path: Path) -> StoredResult | None:
-    """Open the result in a directory, or return None if the directory has no study file or an empty one.
+    """Open the result in a directory, or return None if the study file is missing or empty.
 
     Raises a `StoreError` if the study file is damaged.
     """
@@ -565,7 +565,7 @@ def _read_study_file(path: Path) -> Study:
         text = read_file_bytes(path / STUDY_FILE, MAX_STUDY_BYTES).decode()
     except (UnreadableFileError, UnicodeDecodeError) as error:
         raise StoreError(f"{printable_path(path / STUDY_FILE)} is not a study: {printable_text(error)}") from None
-    # An empty study file is valid TOML, but it is probably due to a crash of the machine.
+    # An empty study file is valid TOML, but was probably caused by a crash of the machine.
     if not text.strip():
         raise StoreError(
             f"{printable_path(path / STUDY_FILE)} is empty; run the study again in this directory to restore the file"
@@ -599,7 +599,7 @@ def create_or_open_result(path: str | Path, study: Study, claim: DirectoryClaim 
             if not _contains_study(path, study):
                 _write_study_file(stored_result, claim)
     except (OSError, RuntimeError) as error:
-        # RuntimeError is raised if a symbolic link refers to itself.
+        # A symbolic link that refers to itself causes a RuntimeError.
         if stored_result.num_finished < study.ensemble.repetitions:
             reason = describe_os_error(error) if isinstance(error, OSError) else error
             raise StoreError(f"{printable_path(path)}: cannot be written: {reason}") from None
@@ -651,7 +651,7 @@ def remove_result(stored_result: StoredResult, claim: DirectoryClaim) -> None:
 
 
 def _check_resumable(stored_result: StoredResult) -> None:
-    """Raise a `StoreError` if the stored blocks do not belong to the study, or if this version cannot complete them."""
+    """Raise a `StoreError` if stored blocks belong to another study, or if this version cannot complete the result."""
     if not stored_result.blocks:
         return
     path, content, num_members = (
@@ -728,7 +728,7 @@ def _is_old_study_file(path: Path, header: bytes, text: bytes) -> bool:
 
 
 def _check_study_file_may_be_replaced(path: Path, study: Study) -> None:
-    """Raise a `StudyMismatchError` if the study file in a directory was edited, and must therefore not be replaced."""
+    """Raise a `StudyMismatchError` if the study file in a directory was edited by hand, so that no run replaces it."""
     try:
         check_unedited(path)
     except EditedStudyError:
@@ -784,7 +784,7 @@ class StudyMismatchError(StoreError):
         self.path, self.stored, self.differences, self.is_edited = path, stored, differences, is_edited
 
     def with_remedy(self, advice: str) -> StudyMismatchError:
-        """Return a copy of the error whose message ends with `advice` instead of its original advice."""
+        """Return a copy of the error with `advice` at the end of the message."""
         return StudyMismatchError(self.path, self.stored, self.differences, advice, is_edited=self.is_edited)
 
 
@@ -808,7 +808,7 @@ def write_block(path: Path, first_member: int, content: bytes, num_members: int)
 
 # ---- The file of a block ---------------------------------------------------------------------------------------------
 
-# These attributes of a result's dataset do not describe the bodies.
+# Attributes of a result's dataset that do not describe the bodies.
 NON_BODY_ATTRIBUTES = ("title", "study", "stiction_version", "_NCProperties")
 
 CHECKSUM_PREFIX = b"stiction crc32 "
@@ -834,7 +834,7 @@ class BlockFileContent:
     numbers: NDArray[np.int64]
     arrays: ArraysByName
     bodies: BodyAttributes
-    # True if the coordinates equal the coordinates of the study in every bit.
+    # True if the coordinates in the block equal the coordinates of the study in every bit.
     is_exact: bool
 
 
@@ -851,7 +851,7 @@ def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, ND
     file_image = io.BytesIO(template)
     with h5py.File(file_image, "r+") as file:
         for name, values in {"repetition": np.asarray(numbers), **arrays}.items():
-            # These low-level functions of h5py take a third of the time that its classes would take.
+            # Low-level functions of h5py take a third of the time that h5py's classes would take.
             identifier = h5py.h5d.open(file.id, name.encode())
             if identifier.shape != values.shape:
                 raise ValueError(f"{name} must have the shape {identifier.shape}, got {values.shape}")
@@ -875,7 +875,7 @@ def _encode_block_of_zeros(study: Study, count: int) -> bytes:
 
 
 def import_dataset_packages() -> None:
-    """Import the packages that encode blocks before a block is complete, so that the block does not wait for them.
+    """Import packages that encode blocks before the first block is complete, so that no block waits for the import.
 
     The import takes 0.3 s, in which other threads compute. Only one thread imports at a time: if two threads import
     xarray, each may need a module that the other has not finished, and one import then fails.
@@ -1019,7 +1019,7 @@ def decode_members(content: bytes) -> BlockFileContent:
 
 
 def check_member_arrays(study: Study, arrays: ArraysByName) -> None:
-    """Raise a `DamagedFileError` if arrays of members contain values that a computation cannot return.
+    """Raise a `DamagedFileError` if the arrays of members contain impossible numbers.
 
     Values may be NaN only where a solver can fail, which is at given loads and for the pull-off force. If a solver
     fails at a load, all contact sums are NaN. A contact that carries a load has an area.
@@ -1095,7 +1095,7 @@ def _read_variable(file: h5py.File, name: str, shape: tuple[int, ...] | None = N
     """
     import h5py
 
-    # For small variables, these low-level functions of h5py take half the time that its classes would take.
+    # For small variables, low-level functions of h5py take half the time that h5py's classes would take.
     encoded_name = name.encode()
     hdf5_links = file.id.links
     is_stored_here = hdf5_links.exists(encoded_name) and hdf5_links.get_info(encoded_name).type == h5py.h5l.TYPE_HARD
