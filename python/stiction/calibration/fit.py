@@ -45,18 +45,18 @@ MIN_AREA_VARIATION = 0.1
 NUM_NUISANCE_POINTS_PER_ROUND = 256
 # Maximum number of nuisance points in the final importance sampling.
 MAX_NUISANCE_POINTS = 8192
-# The final sampling starts with 2**k times the first number for k nuisance parameters, but at most the second number.
+# The final sampling starts with the first of these counts, doubled for each nuisance parameter, up to the second count.
 FINAL_NUISANCE_POINT_COUNTS = 256, 1024
 # Largest distance of a nuisance parameter from its mean, in standard deviations.
 MAX_NORMAL_SCORE = 5.0
 MAX_PROPOSAL_ROUNDS = 8
-# The proposal is adapted until the effective sample size exceeds this fraction of the number of nuisance points.
+# The proposal of nuisance points is adapted until the effective sample size exceeds this fraction of their number.
 MIN_EFFECTIVE_SAMPLE_FRACTION = 0.4
 # The final sampling doubles its number of nuisance points until the effective sample size exceeds this number.
 MIN_EFFECTIVE_SAMPLES = 300.0
 NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31
 NUM_STRENGTH_PAIRS = 4000
-# Difference between -2 ln(density) at the edge of the grid and its minimum. It corresponds to 5.8 standard deviations.
+# At the edge of the grid of mu0 and tau0, -2 ln(density) is above its minimum by this number (5.8 standard deviations).
 MAX_GRID_DEVIANCE = 34.0
 # Degrees of freedom of Student's t distribution, from which nuisance points are drawn.
 PROPOSAL_DEGREES_OF_FREEDOM = 5.0
@@ -89,12 +89,12 @@ class _BestFit:
 
 @dataclass(frozen=True)
 class _GridLimits:
-    """Limits of the grids of mu0 and tau0, one grid per sample of the nuisance parameters."""
+    """Ranges of tau0 and mu0 that the probability grids cover, for each sample of the nuisance parameters."""
 
     # R of the QR decomposition of the test equations at each nuisance point, with the shape (points, 3, 3).
     triangular_factors: Floats
     deviance_range: float
-    # Limits of tau0 (GPa) at each nuisance point.
+    # Smallest and largest tau0 (GPa) of the grid at each nuisance point.
     min_tau0: Floats
     max_tau0: Floats
     # Best mu0 with the shape (points, tau0), or None if no contact grows under shear.
@@ -114,7 +114,7 @@ class _ProbabilityGrid:
 
 
 class CalibrationProblem:
-    """Friction tests as linear equations for mu0 and tau0, with the errors of the tests and the nuisance parameters.
+    """Friction tests as linear equations for mu0 and tau0, whose coefficients depend on the nuisance parameters.
 
     In each equation, a mu0 + b tau0 equals the right side, where a and b are the coefficients of the equation.
 
@@ -194,7 +194,7 @@ class CalibrationProblem:
         scores_by_name = dict(zip(self.nuisances, np.clip(scores, -MAX_NORMAL_SCORE, MAX_NORMAL_SCORE).T, strict=True))
         shape = len(scores), *(1 for _ in grid_shape)
         probability = {name: ndtr(values).reshape(shape) for name, values in scores_by_name.items()}
-        # The keys are equations and, if contacts grow, also measured coefficients.
+        # A key identifies the equation of a test and, if contacts grow under shear, its measured coefficient.
         cached_factors: dict[Hashable, Floats] = {}
 
         def area_factors_of_test(test: int) -> Floats:
@@ -213,7 +213,7 @@ class CalibrationProblem:
                     area, fraction = equation.area_factor.onset_area_and_friction_factors(
                         equation.area_factor.input_values(probability), law
                     )
-                    # Strengths at which the softer body shears are excluded, because no friction test can measure them.
+                    # mu0 and tau0 at which the softer body shears are excluded, because no test can measure them.
                     cached_factors[key] = area if is_measured else np.where(fraction < 1, np.inf, area)
                 factor = factor * cached_factors[key]
             if equation.scatter > 0:
@@ -228,7 +228,7 @@ class CalibrationProblem:
             if GAIN_PARAMETER_NAME in scores_by_name
             else np.ones((len(scores), 1))
         )
-        # A measured coefficient is the gain times the true coefficient. Errors refer to the measured coefficient.
+        # The gain is the ratio of measured to true coefficient. The errors of the tests refer to measured coefficients.
         mu0_coefficient = gain * sums["tangential_frictional"] - self.measured * sums["normal_frictional"]
         tau0_coefficient = gain * sums["tangential_adhesive"] - self.measured * sums["normal_adhesive"]
         right_side = self.measured - gain * sums["tangential_elastic"]
@@ -240,7 +240,7 @@ class CalibrationProblem:
         )
 
     def _compute_run_offset_vectors(self, central_coefficients: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Return the change of all residuals by a common offset of each run, as one unit vector and one norm per run.
+        """Return the changes of the residuals due to a common offset of each run, as unit vectors and their norms.
 
         The unit vectors have the shape (runs, tests). The norms, with the shape (runs,), are in units of the errors.
         Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would bias
@@ -256,7 +256,7 @@ class CalibrationProblem:
             self.fixed_strengths,
         )
         residual_shifts = self._run_membership * (mu0_coefficient * mu0 + tau0_coefficient * tau0) / self.error
-        # Errors of all tests due to the spread between runs, for a relative standard deviation of 1.
+        # Errors that a relative standard deviation of 1 between runs would cause in each test.
         self._run_errors = (residual_shifts * self.error).sum(axis=0)
         residual_shifts = np.where(self.slid, residual_shifts, 0.0)
         shift_norms = np.linalg.norm(residual_shifts, axis=1)
@@ -269,19 +269,19 @@ class CalibrationProblem:
 
     @property
     def mean_area_per_load(self) -> float:
-        """Mean true area per load, A/F (1/GPa), over the tests with sliding, weighted by 1/error²."""
+        """Mean of the true area per load, A/F (1/GPa), of tests with sliding, weighted by inverse squared errors."""
         return float(np.average(self.area_per_load, weights=self._weights_of_tests))
 
     @property
     def area_per_load_variation(self) -> float:
-        """Relative standard deviation of the true area per load, A/F, over tests with sliding, weighted by 1/error²."""
+        """Relative standard deviation of A/F over the tests with sliding, weighted as in `mean_area_per_load`."""
         return float(
             np.sqrt(np.average((self.area_per_load - self.mean_area_per_load) ** 2, weights=self._weights_of_tests))
             / self.mean_area_per_load
         )
 
     def _compute_deviation_between_runs(self, scores: Floats) -> Floats:
-        """Return the relative standard deviation of friction between runs for each sample of nuisance parameters."""
+        """Return the relative standard deviation of friction between test runs, one number per nuisance sample."""
         from scipy.special import ndtr
 
         if RUN_SPREAD_PARAMETER_NAME not in self.nuisances:
@@ -292,7 +292,7 @@ class CalibrationProblem:
     def _build_weighted_equations(
         self, columns: tuple[Floats, ...], scale: Floats, spread: Floats
     ) -> tuple[Floats, Floats]:
-        """Divide each equation of a test with sliding by the test's error, and decorrelate the equations of each run.
+        """Return the equations of the tests with sliding, divided by the test errors and decorrelated within each run.
 
         The equations have the shape (points, tests with sliding, 3). Also returns the logarithms of the normalization
         factors (points,).
@@ -319,7 +319,7 @@ class CalibrationProblem:
     def _compute_residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-        """Return the residuals of tests with sliding, divided by the test errors, and the equation coefficients.
+        """Return the residuals of tests with sliding in units of the test errors, and the equation coefficients.
 
         The residuals have the shape (points, tests that slid, ...), and are infinite at seizure. The coefficients
         include junction growth. mu0 and tau0 (GPa) have the shape (points, ...).
@@ -371,7 +371,7 @@ class CalibrationProblem:
             return strength
 
         def residuals_with_growth(points: Floats) -> Floats:
-            """Return the residuals of tests with sliding, with junction growth, for each row of fit parameters."""
+            """Return the residuals of tests with sliding, including junction growth, for each row of fit parameters."""
             mu0, tau0 = np.transpose([to_strengths(x) for x in points])
             scales = np.full(len(points), error_scale)
             misfit, _ = self._compute_residuals(
@@ -428,7 +428,7 @@ class CalibrationProblem:
                 and not np.isfinite(residuals(x)).all()
                 and x[: len(free_indices)].max() > 1e-9
             ):
-                # The interface seizes at these mu0 and tau0, so both are halved until it slides.
+                # The interface seizes at the initial mu0 and tau0, so both are halved until the interface slides.
                 x[: len(free_indices)] /= 2
             if x.size:
                 x = least_squares(residuals, x, jacobian, bounds=(lower_bounds, np.inf), xtol=1e-9, ftol=1e-9).x
@@ -502,9 +502,9 @@ class CalibrationProblem:
         return replace(fit, fits_at_bounds=fits_at_bounds)
 
     def _with_fixed_strengths(self, strengths: tuple[float | None, float | None]) -> CalibrationProblem:
-        """Return the same problem with other fixed values of mu0 and tau0 (GPa)."""
+        """Return a copy of the problem with other fixed values of mu0 and tau0 (GPa); None leaves a parameter free."""
         problem = copy.copy(self)
-        problem.__dict__.pop("best_fit", None)  # the cached fit has other fixed values
+        problem.__dict__.pop("best_fit", None)  # the cached fit has the previous mu0 and tau0
         problem.fixed_strengths = strengths
         return problem
 
@@ -516,9 +516,9 @@ class CalibrationProblem:
 
     @cached_property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth α that all tests share; None if the tests have different α, or if α has no effect.
+        """Junction growth α common to all tests; None if α differs between tests or has no effect on any test.
 
-        It is 0 if no test has junction growth, although junction growth would affect at least one test.
+        α is 0 if no test includes junction growth, although junction growth would affect at least one test.
         """
         growths = [
             equation.area_factor.junction_growth
@@ -648,7 +648,7 @@ class CalibrationProblem:
                 (mu0_coefficient_of_test * mu0 + tau0_coefficient[:, test] * tau0 - right_side_of_test)
                 / test_error[:, np.newaxis, np.newaxis]
             )
-        # At each nuisance point, the prior of the strengths is uniform in mu0 and in tau0 A/F.
+        # At each nuisance point, the prior density is uniform in mu0 and in tau0 A/F.
         best_cell = (
             log_probability.reshape(len(points), -1).argmax(axis=1)
             if self.has_growing_contacts
@@ -678,9 +678,10 @@ class CalibrationProblem:
     def _find_grid_limits_with_growth(
         self, limits: _GridLimits, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
     ) -> _GridLimits:
-        """Return the range of tau0 and, at each tau0, a range around the best mu0, if contacts grow under shear.
+        """Return the grid limits of tau0 and mu0 for tests whose contacts grow under shear.
 
-        `columns` contains the coefficients of the equations for the junction growth at the measured coefficients.
+        The limits of mu0 lie around the best mu0 at each tau0. `columns` contains the coefficients of the equations for
+        the junction growth at the measured coefficients.
         """
         robust_factors = self.best_fit.robust_factors[self.slid] if self.outliers else np.ones(int(self.slid.sum()))
 
@@ -697,7 +698,7 @@ class CalibrationProblem:
             return find_best_mu0(residuals, start, tau0)
 
         if self.fixed_strengths[1] is None:
-            # Each test limits tau0 to the value that explains the test with mu0 = 0, the smallest possible mu0.
+            # Each test limits tau0: with mu0 = 0, the smallest possible mu0, tau0 alone causes the measured friction.
             test_errors = np.hypot(scale[:, np.newaxis] * self.error, spread[:, np.newaxis] * self._run_errors)
             margin = (
                 2
@@ -717,14 +718,14 @@ class CalibrationProblem:
         )
         best_mu0, slope, _ = find_best_mu0_at(tau0)
         width_above = math.sqrt(limits.deviance_range) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
-        # Below the best mu0, residuals vary more slowly than above, but at least as much as without junction growth.
+        # Residuals vary more slowly below the best mu0 than above, but at least as fast as without junction growth.
         width_below = np.maximum(width_above, math.sqrt(limits.deviance_range) / limits.triangular_factors[:, :1, 0])
         return replace(limits, best_mu0=best_mu0, width_below=width_below, width_above=width_above)
 
     def _choose_mu0_grid_at_tau0(
         self, limits: _GridLimits, point: Any, row: Any, tau0: Floats
     ) -> tuple[Floats, Floats]:
-        """Return the lower limit of mu0 and the width of the mu0 cells at each tau0."""
+        """Return the lower limit of the mu0 grid and the width of the grid cells, for each tau0."""
         if self.fixed_strengths[0] is not None:
             return np.full(tau0.shape, self.fixed_strengths[0]), np.zeros(tau0.shape)
         if limits.best_mu0 is None:
@@ -763,7 +764,7 @@ class CalibrationProblem:
                 > MIN_EFFECTIVE_SAMPLE_FRACTION * NUM_NUISANCE_POINTS_PER_ROUND
             ):
                 break
-            # An exponent below 1 reduces the influence of a few large weights.
+            # Raising the weights to an exponent below 1 reduces the influence of a few large weights.
             weight_exponent = 1.0
             while (
                 weight_exponent > 1e-3
@@ -815,7 +816,7 @@ class CalibrationProblem:
     def _draw_nuisance_points(
         self, mean: Floats, covariance: Floats, active_indices: list[int], count: int, seed: int = 0
     ) -> tuple[Floats, _ProbabilityGrid, Floats]:
-        """Draw nuisance parameters, and return for each sample: parameters, grid of mu0 and tau0, and log-weight."""
+        """Draw nuisance parameters, and return them with their grids of mu0 and tau0 and their log-weights."""
         from scipy.special import gammaincinv, ndtri
 
         points = np.zeros((count, len(self.nuisances) + 1))
@@ -838,7 +839,7 @@ class CalibrationProblem:
     def _draw_samples_from_grids(
         self, points: Floats, grid: _ProbabilityGrid, log_weight: Floats
     ) -> tuple[Floats, Floats, Floats]:
-        """Draw mu0, tau0 (GPa) and nuisance parameters from the grid cells, with the weights of the cells."""
+        """Draw samples of mu0, tau0 (GPa) and nuisance parameters from grid cells, in proportion to cell weights."""
         generator = np.random.default_rng(0)
         log_cell_probability = grid.log_probability.reshape(len(points), -1)
         with np.errstate(invalid="ignore"):
@@ -856,7 +857,7 @@ class CalibrationProblem:
         mu0 = self._find_mu0_in_cells(grid.limits, point, row, tau0, column + mu0_fraction)
         scores = points[point, : len(self.nuisances)]
         if self.has_growing_contacts:
-            # A cell may contain strengths at which the softer body would shear, but not in its centre.
+            # A point of a cell at which the softer body would shear is replaced by the centre of the cell.
             _, area_coefficients, _ = self._compute_equation_coefficients(scores, mu0, tau0)
             is_outside = ~np.isfinite(area_coefficients[:, self.slid]).all(axis=1)
             tau0_centre = low + (high - low) * (row + 0.5) / grid.log_probability.shape[1]
@@ -865,14 +866,14 @@ class CalibrationProblem:
         return mu0, tau0, scores
 
     def _find_mu0_in_cells(self, limits: _GridLimits, point: Any, row: Any, tau0: Floats, column: Any) -> Floats:
-        """Return mu0 at fractional columns of the grids at each tau0."""
+        """Convert fractional column numbers of the mu0 grid to mu0; each tau0 has its own grid of mu0."""
         mu0_start, mu0_step = self._choose_mu0_grid_at_tau0(limits, point, row, tau0)
         return np.asarray(mu0_start + mu0_step * column)
 
     # ---- Advice -----------------------------------------------------------------------------------------------------
 
     def suggest_tests(self) -> tuple[tuple[str, float, float], ...]:
-        """Suggest tests that would separate mu0 from tau0, and the standard errors of mu0 and tau0 that would result.
+        """Suggest tests that would separate mu0 from tau0, with the resulting standard errors of mu0 and tau0.
 
         The planned tests have the median relative error of the present tests, or 5 % if the errors are unknown.
         """
@@ -899,7 +900,7 @@ class CalibrationProblem:
 
 
 def _concatenate_grids(grids: Sequence[_ProbabilityGrid]) -> _ProbabilityGrid:
-    """Concatenate the probability grids of several batches of nuisance parameters."""
+    """Join the probability grids for several batches of nuisance samples in one object."""
     limits = [grid.limits for grid in grids]
     array_names = (
         "triangular_factors",
@@ -930,7 +931,7 @@ def _build_run_membership_matrix(tests: Sequence[FrictionTest]) -> Floats:
 def _solve_nonnegative_least_squares(
     rows: Floats, weight: Floats, fixed_strengths: Sequence[float | None]
 ) -> tuple[float, float]:
-    """Return the nonnegative mu0 and tau0 (GPa) that fit the weighted test equations by least squares."""
+    """Fit mu0 and tau0 (GPa), both at least 0, to the weighted test equations; keep fixed values unchanged."""
     from scipy.optimize import lsq_linear
 
     is_free = [value is None for value in fixed_strengths]
@@ -964,7 +965,7 @@ def _compute_triangular_factors(rows: Floats) -> Floats:
 def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: float) -> tuple[Floats, Floats]:
     """Return the range of tau0 (GPa) in which the posterior density, maximized over mu0, is not negligible."""
     first_row, second_row = triangular_factors[:, 0], triangular_factors[:, 1]
-    # The curvature is the coefficient of tau0² in -2 ln(density) at mu0 = 0.
+    # The variable `curvature` is the coefficient of tau0² in -2 ln(density) at mu0 = 0.
     curvature = second_row[:, 1] ** 2 + first_row[:, 1] ** 2
     unbounded_best, best_at_bound = (
         second_row[:, 2] / second_row[:, 1],
@@ -973,7 +974,7 @@ def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: flo
     tau0_at_zero_mu0 = first_row[:, 2] / np.where(first_row[:, 1] == 0, 1e-300, first_row[:, 1])
 
     def deviance(tau0: Floats) -> Floats:
-        # This mu0 is a positive multiple of the best mu0 at each tau0.
+        # The variable `mu0` is proportional to the best mu0 at each tau0, and has the same sign.
         mu0 = first_row[:, 2] - first_row[:, 1] * tau0
         return np.asarray((second_row[:, 2] - second_row[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
 
@@ -1017,6 +1018,6 @@ def _find_tau0_range_at_fixed_mu0(
 
 
 def _compute_effective_sample_size(log_weight: Floats) -> float:
-    """Return the effective number of samples from the logarithms of their weights."""
+    """Return the effective number of weighted samples, (Σw)²/Σw², from the logarithms of the weights w."""
     weight = np.exp(log_weight - log_weight.max())
     return float(weight.sum() ** 2 / (weight**2).sum())

@@ -1,4 +1,4 @@
-"""Friction tests, and for each test the contact sums per load and the uncertainty of the true area."""
+"""Friction tests, their contact sums per load, and the uncertainty of their true contact areas."""
 
 from __future__ import annotations
 
@@ -61,15 +61,15 @@ class Ball:
     """
 
     radius: float | str
-    # Two balls are compared by `moduli`, not by the given effective modulus.
+    # Two balls are compared by their `moduli`, not by the effective modulus that the user gave.
     effective_modulus: float | str | None = field(default=None, compare=False)
     young: Any = field(default=None, kw_only=True)
     poisson: Any = field(default=None, kw_only=True)
     upper_material: str | None = field(default=None, kw_only=True)
     lower_material: str | None = field(default=None, kw_only=True)
-    # Balls with equal `lost_fraction` count as equal, whatever area loss was given.
+    # Two balls are compared by their `lost_fraction`, not by the area loss that the user gave.
     area_loss: Any = field(default=None, kw_only=True, compare=False)
-    # The elastic constants belong to the central values of both moduli.
+    # Elastic constants at the central values of the moduli of both bodies.
     elasticity: PairElasticity = field(init=False, repr=False, compare=False)
     moduli: UncertainModulus = field(init=False, repr=False, hash=False)
     lost_fraction: InputValue = field(init=False, repr=False)
@@ -102,7 +102,7 @@ class Ball:
         return f"Ball({', '.join(f'{name}={value!r}' for name, value in arguments.items() if value is not None)})"
 
     def area_per_load(self, load: float | str) -> float:
-        """Return the true area per load A/F (1/GPa) before shear, at a load (mN) and at the central value of E*."""
+        """Return the true area per load A/F (1/GPa) of the ball before shear, at a load (mN) and the central E*."""
         load = validate_number("load", load, unit="mN", above=0)
         radius, modulus = float(self.radius), self.elasticity.effective_modulus
         overlap = (0.75 * load / (modulus * math.sqrt(radius))) ** (2 / 3)
@@ -112,7 +112,7 @@ class Ball:
 
 @dataclass(frozen=True, kw_only=True)
 class _FrictionTestSums:
-    """Contact sums of one friction test, divided by the elastic load."""
+    """Sums of forces and areas over the contacts of one friction test, divided by the elastic load."""
 
     sums: Mapping[str, float]
     # Relative standard error of the true area in a test.
@@ -120,13 +120,13 @@ class _FrictionTestSums:
     # Checksum of the surfaces. Tests with equal checksums have the same error of the area.
     surfaces: str = ""
     hardness: float = math.nan
-    # Ratio of the true to the computed contact area. None if the ratio is always 1.
+    # Ratio of the true to the computed contact area, or None if the ratio is always 1.
     area_factor: AreaFactor | None = None
 
 
 @dataclass(frozen=True)
 class AreaFactor:
-    """Ratio of the true to the computed contact area of a test, as a function of the uncertain inputs."""
+    """True contact area of a friction test divided by the computed area, as a function of uncertain inputs."""
 
     # Uncertain inputs of a test by name: hardness, creep exponent, moduli, junction growth and area loss.
     uncertain_inputs: Mapping[str, UncertainInput]
@@ -146,7 +146,7 @@ class AreaFactor:
         return [self.nuisance_name(name) for name in self.uncertain_inputs]
 
     def input_values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
-        """Convert cumulative probabilities of the nuisance parameters to samples of the inputs, by input name."""
+        """Return samples of the inputs by name: quantiles at the cumulative probabilities of nuisance parameters."""
         return {
             name: estimate.quantile(columns[self.nuisance_name(name)])
             for name, estimate in self.uncertain_inputs.items()
@@ -158,7 +158,7 @@ class AreaFactor:
         return None
 
     def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return the true area at the onset of sliding over the computed area, and `OnsetState.friction_fraction`.
+        """Return factors at the onset of sliding: true over computed area, and friction force over mu0 F + tau0 A.
 
         `samples` are samples of the inputs. The junction growth of the test replaces that of the law. At seizure the
         area is infinite, or the nominal area if tau0 is 0.
@@ -168,7 +168,7 @@ class AreaFactor:
 
 @dataclass(frozen=True)
 class _BallAreaFactor(AreaFactor):
-    """Contact area of a ball at the onset of sliding, divided by the area without shear at the central E*.
+    """Area factor of a ball: contact area at the onset of sliding, divided by the area without shear at the central E*.
 
     The contact area of a ball is proportional to E*^(-2/3).
     """
@@ -179,11 +179,11 @@ class _BallAreaFactor(AreaFactor):
 
     @classmethod
     def from_ball(cls, ball: Ball) -> _BallAreaFactor | None:
-        """Return the area factor of a ball as a function of the inputs.
+        """Return the area factor of a ball as a function of the uncertain inputs.
 
         Returns None if the factor is always 1.
 
-        It is 1 if the moduli are exact and shear does not change the area.
+        The factor is 1 if the moduli are exact and shear does not change the area.
         """
         loss = ball.lost_fraction
         uncertain_inputs = ball.moduli.inputs | ({} if loss.is_exact else {"area_loss": loss.estimate})
@@ -194,14 +194,14 @@ class _BallAreaFactor(AreaFactor):
         )
 
     def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return the area at the onset of sliding, divided by that for the central E*, and a friction fraction of 1."""
+        """Return factors at the onset of sliding: contact area over the area at the central E*, and 1 for friction."""
         area = np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
         return area * (1 - samples.get("area_loss", np.asarray(self.area_loss))), np.ones(())
 
 
 @dataclass(frozen=True)
 class _AreaFactorFromResult(AreaFactor):
-    """Ratio of the true to the computed contact area of measured surfaces, from a result for these surfaces."""
+    """Area factor of two rough surfaces, relative to the contact area in a computed result."""
 
     area: AreaFunction
     load: float
@@ -210,7 +210,7 @@ class _AreaFactorFromResult(AreaFactor):
 
     @classmethod
     def from_result(cls, result: Any, load: float, wait: float) -> _AreaFactorFromResult | None:
-        """Return the area factor as a function of the inputs.
+        """Return the area factor of a computed pair at a load (mN), as a function of the uncertain inputs.
 
         Returns None if the factor is always 1.
         """
@@ -234,7 +234,7 @@ class _AreaFactorFromResult(AreaFactor):
         return self.inputs.estimate("junction_growth")
 
     def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return the true area at the onset of sliding over the computed area, and `OnsetState.friction_fraction`.
+        """Return factors at the onset of sliding: true over computed area, and friction force over mu0 F + tau0 A.
 
         `samples` are samples of the inputs. The junction growth of the test replaces that of the law. At seizure the
         area is infinite, or the nominal area if tau0 is 0.
@@ -266,7 +266,7 @@ MIN_COEFFICIENT_UNCERTAINTY = 1e-15
 
 @dataclass(frozen=True)
 class FrictionTest:
-    """Friction test: result for the pair (or ball), load, and measured coefficient with its uncertainty.
+    """Friction test: computed result for the pair (or a ball), load, and measured coefficient with uncertainty.
 
     Attributes
     ----------
@@ -342,7 +342,7 @@ class FrictionTest:
         object.__setattr__(self, "load", load)
 
     def _compute_coefficient_uncertainty(self, load: float) -> float:
-        """Convert the given uncertainty to a standard uncertainty of the coefficient at a load (mN)."""
+        """Convert the given uncertainty to a standard uncertainty of the friction coefficient at a load (mN)."""
         uncertainty, is_force = self.uncertainty, self.force is not None
         if isinstance(uncertainty, str) and uncertainty.strip().endswith("%"):
             try:
@@ -363,7 +363,7 @@ class FrictionTest:
 
     @cached_property
     def area_factor(self) -> AreaFactor | None:
-        """Ratio of true to computed contact area as a function of the inputs; None if the ratio is always 1."""
+        """Area factor of the test as a function of uncertain inputs, or None if the factor is always 1."""
         if isinstance(self.result, Ball):
             return _BallAreaFactor.from_ball(self.result)
         return _AreaFactorFromResult.from_result(self.result, float(self.load), float(self.wait))
@@ -401,7 +401,7 @@ def evaluate_test_sums(test: FrictionTest, sliding: SlidingRule) -> _FrictionTes
 
 
 def _interpolate_sums_per_load(curve: FrictionCurve, load: float) -> _FrictionTestSums:
-    """Interpolate the sums over all contacts of a load curve at a load (mN), divided by the load without friction."""
+    """Return the contact sums of a load curve, divided by the elastic load and interpolated at an elastic load (mN)."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
         range_text = f"{loads.min():g} to {loads.max():g} mN"

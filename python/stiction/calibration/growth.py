@@ -8,11 +8,10 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Successive searches narrow the range of tau0.
-# The constants are the number of tau0 values per search, and the number of searches.
+# Number of tau0 in each search, and number of successive searches, each in a narrower range of tau0.
 NUM_TAU0_SEARCH_POINTS, NUM_TAU0_SEARCHES = 13, 3
 NUM_NEWTON_STEPS = 3
-# Step of mu0 in numerical derivatives, divided by 0.1 + mu0.
+# Step of mu0 in numerical derivatives, as a fraction of 0.1 + mu0.
 MU0_DERIVATIVE_STEP = 1e-4
 
 ResidualFunction = Callable[[Floats, Floats], Floats]
@@ -23,7 +22,7 @@ Residuals are infinite at seizure.
 
 
 def find_best_mu0(residuals: ResidualFunction, start: Floats, tau0: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return the nonnegative mu0 that fits the tests best at each tau0, by the Gauss-Newton method.
+    """Find the nonnegative mu0 that best fits the friction tests at each given tau0, by the Gauss-Newton method.
 
     Parameters
     ----------
@@ -54,7 +53,7 @@ def find_best_mu0(residuals: ResidualFunction, start: Floats, tau0: Floats) -> t
 def find_tau0_range(
     sum_of_squares: Callable[[Floats], Floats], max_tau0: Floats, deviance_range: float
 ) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which the sum of squared residuals is near its minimum.
+    """Return the range of tau0 (GPa) in which the sum of squares is within `deviance_range` of its minimum.
 
     Parameters
     ----------

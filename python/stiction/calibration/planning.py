@@ -23,18 +23,18 @@ BALL_LOAD_RANGE = 100.0
 
 
 class PlannedTests(NamedTuple):
-    """Further friction tests, and the coefficient of a pair with its 95 % interval after these tests."""
+    """Plan of further friction tests, with the coefficient of a pair and its 95 % interval after these tests."""
 
     text: str
     coefficient: ValueWithLimits
 
 
 def list_area_plans(area_per_load: float, count: int) -> Iterator[tuple[str, Floats]]:
-    """Yield further tests that would separate mu0 from tau0, each with the true area per load (1/GPa) of every test.
+    """Yield plans of further tests that would separate mu0 from tau0: description, and true area per load (1/GPa).
 
     `area_per_load` and `count` are the mean true area per load (1/GPa) and the number of the present tests.
     """
-    # For a ball (Hertz), A/F is proportional to F^(-1/3).
+    # For a ball (Hertz), the area per load A/F is proportional to F^(-1/3).
     ball_ratio = BALL_LOAD_RANGE ** (1 / 6)
     yield (
         "a smooth ball below yield, two decades of load",
@@ -45,7 +45,7 @@ def list_area_plans(area_per_load: float, count: int) -> Iterator[tuple[str, Flo
 
 
 def plan_tests(interface: Interface, result: Any, load: float | str) -> tuple[PlannedTests, ...]:
-    """Return further tests and the interval of a pair's coefficient after these tests, the narrowest interval first.
+    """Return plans of further tests with the pair's interval after these tests, the narrowest interval first.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def plan_tests(interface: Interface, result: Any, load: float | str) -> tuple[Pl
 
 
 def _estimate_half_width(present: ValueWithLimits, common_error: float, error: float) -> float:
-    """Return half the width of a pair's 95 % interval after tests of this pair.
+    """Estimate the half width of a pair's 95 % interval after further tests of the same pair.
 
     `error` is the relative standard error of the mean of these tests. The tests do not reduce `common_error`, which
     they share with the present tests.
@@ -123,13 +123,16 @@ def _estimate_half_width(present: ValueWithLimits, common_error: float, error: f
 
 
 def _limit_to_interval(planned: ValueWithLimits, present: ValueWithLimits) -> ValueWithLimits:
-    """Limit the interval after planned tests, which the scatter of the samples can widen, to the present interval."""
+    """Limit the interval that is expected after planned tests to the present interval.
+
+    Sampling scatter can make the expected interval wider than the present interval.
+    """
     (value, low, high), (_, present_low, present_high) = planned, present
     return value, min(max(low, present_low), value), max(min(high, present_high), value)
 
 
 def _reweight(fit: StrengthFit, areas_per_load: Floats, expected: Floats, error: Floats) -> StrengthFit:
-    """Return a fit whose joint samples are drawn in proportion to the probability of planned measurements.
+    """Resample the joint samples of a fit in proportion to the likelihood of planned measurements.
 
     The planned tests have the given true areas per load (1/GPa), expected coefficients and standard errors.
     """

@@ -103,13 +103,13 @@ class Interface(InterfaceStrength):
         is_measured_pair = not isinstance(result, (Ball, FrictionCurve)) and MemberSums.of(result).study.is_measured
         if is_measured_pair:
             combined = predict_coefficient(MemberSums.of(result), float(test.load), self)
-            # The mean over a single position has no interval, so the interval of the fit is returned.
+            # For a single position, the combined interval is NaN, and the interval of the calibration fit is returned.
             if not any(map(math.isnan, combined)):
                 return combined
 
         def compute_coefficients(fit: StrengthFit) -> tuple[Floats, Floats]:
-            """Return friction coefficients and their upper limits, which are infinite where the softer body shears."""
-            # If a parameter also affects the tests of the fit, use its samples from the fit.
+            """Return samples of the coefficient and of its upper limit, infinite if the softer body shears."""
+            # A parameter that also affects the fitted tests keeps its samples from the fit.
             scores = {**independent_scores, **fit.scores}
             law, friction_fraction = FrictionLaw(fit.mu0, fit.tau0), np.ones(())
             total_area = np.exp(test_sums.scatter * scores[area_error])

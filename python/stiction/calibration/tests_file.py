@@ -84,12 +84,12 @@ def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[F
 
 
 def _is_comment(line: str, bodies: Mapping[str, Any]) -> bool:
-    """Return whether a line is a comment: it starts with "#", but not with a body name such as "#1"."""
+    """Return whether a line starts with "#" as a comment does, and not with the name of a body, such as "#1"."""
     return line.startswith("#") and re.split("[\t;,]", line)[0].strip().rstrip("/") not in bodies
 
 
 def _parse_column_titles(title_row: list[str]) -> dict[str, tuple[int, str]]:
-    """Return the index and the unit of each column, by standard column name.
+    """Return a dictionary from the standard name of each column to the column's index and unit.
 
     The name of a column of loads given as pressures is `pressure`.
     """

@@ -1,4 +1,4 @@
-"""Evaluation of friction and other quantities at given elastic, normal or mean normal loads.
+"""Evaluation of friction and other quantities at given loads, which may be elastic, normal or mean normal loads.
 
 *mean*: the mean normal load of the ensemble equals the given load, and coefficients are ratios of mean loads, as in the
 figures of the paper. *elastic*: the elastic load of each member, before any contact slides, equals the given load.
@@ -67,9 +67,9 @@ def at_load(
         fraction_slipped; at the mean load of an ensemble the latter two are means weighted by the load of each pair.
         Measured bodies also have contact statistics, quantiles of areas and pressures, slopes of the gap and
         `gentle_friction`. The last dimension is statistic ("mean", "lower", "upper"). spread_low and spread_high are
-        the 10th and 90th percentiles of single members, load_definition_effect is the relative difference between the
-        three definitions of the load, members is the number of members, and ok is the number of members with a
-        coefficient.
+        the 10th and 90th percentiles of single members, load_definition_effect is the largest relative difference
+        between the coefficients for two definitions of the load (elastic, and normal or mean normal),
+        members is the number of members, and ok is the number of members with a coefficient.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def at_load(
     if is_measured and is_requested("load_definition_effect", names):
         # `load_definition_effect` compares the coefficients at an elastic load and at an equal normal load.
         other_definition: LoadDefinition = "normal" if load_definition == "elastic" else "elastic"
-        # Ensemble means neglect growth and loss of area under shear, so the compared coefficient neglects both, too.
+        # Ensemble means neglect growth and loss of contact area, so the compared coefficient neglects both, too.
         other_result = (
             result
             if load_definition != "mean"
@@ -128,7 +128,7 @@ def at_load(
         members = evaluate_members(other_result, unique_loads, *strengths, other_definition, member_kind, ())
         other_coefficient = members.variables["friction_coefficient"].mean(("repetition", "direction"))
         coefficient = point.variables["mean_friction"].isel(statistic=0)
-        # A coefficient of 0 would give the quotient 0/0.
+        # A coefficient of 0 becomes NaN, because its relative change would be 0/0.
         is_zero = np.abs(coefficient.values) <= MAX_RELATIVE_ROUND_OFF
         coefficient = coefficient.copy(data=np.where(is_zero, np.nan, coefficient.values))
         other_dims = [str(dim) for dim in coefficient.dims if dim not in (*MAP_CELL_DIMENSION_NAMES, "load")]
@@ -139,7 +139,7 @@ def at_load(
 def _find_bracketing_loads(
     result: MemberSums, loads: Floats
 ) -> tuple[Floats, tuple[NDArray[np.intp], NDArray[np.intp]], Floats] | None:
-    """Find the computed loads (mN) on both sides of each requested load.
+    """Find the computed loads (mN) directly below and above each requested load.
 
     Returns None if no load is interpolated.
 
@@ -164,7 +164,7 @@ def _find_bracketing_loads(
 def estimate_small_slope_friction(
     dims: list[str], gradient: Floats, slope: Floats, rules: Iterable[Any], mu0: Floats, tau0: Floats, modulus: float
 ) -> dict[str, Any]:
-    """Return small-slope estimates of the friction coefficient from the rms gradients and rms slopes of gaps.
+    """Estimate friction at small slopes from the rms gradient and the rms slopes of the gap.
 
     The rms gradients have the shape (...), and the rms slopes have the shape (..., direction).
     """

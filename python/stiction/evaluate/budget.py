@@ -1,4 +1,4 @@
-"""Combined intervals of a result, and the uncertainty budget: the intervals that remain if one input is exact."""
+"""Combined intervals of a result, and the uncertainty budget: the interval that remains if one input is exact."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def add_uncertainty(
 
 
 def evaluate_alternatives(result: MemberSums, at: xarray.Dataset) -> dict[AlternativeName, xarray.Dataset]:
-    """Evaluate alternative preparations of the scans at the loads, mu0 and tau0 of a dataset, with combined intervals.
+    """Evaluate alternative preparations of the scans at the loads, mu0 and tau0 of a dataset.
 
     The datasets of the last call are cached.
     """
@@ -142,7 +142,7 @@ def _evaluate_alternatives_uncached(
     }
 
 
-# Dimensions and array of each variable, by its name.
+# Variables of a dataset by name: dimensions and array of each variable.
 _Tables = dict[str, tuple[tuple[str, ...], Floats]]
 
 
@@ -152,7 +152,7 @@ def is_tested_pair(study: Study, strength: InterfaceStrength | None) -> bool:
 
 
 def predict_coefficient(result: MemberSums, load: float, strength: InterfaceStrength) -> ValueWithLimits:
-    """Return the coefficient of a measured pair at a load (mN) with its combined interval, for a given interface.
+    """Predict the coefficient of a measured pair at a load (mN), with the combined interval, for a given interface.
 
     The number and its interval are those of `pair` with this interface. The sliding rule is the rule under which mu0
     and tau0 were fitted. The fitted α of junction growth is used if the interface was calibrated with the junction
@@ -169,7 +169,7 @@ def predict_coefficient(result: MemberSums, load: float, strength: InterfaceStre
 
 
 def _evaluate_with_interface(result: MemberSums, load: float, strength: InterfaceStrength) -> Floats:
-    """Return the coefficient at a load (mN) with its combined interval, without alternative preparations."""
+    """Return the coefficient at a load (mN) and its combined interval, without alternative scan preparations."""
     fit, study = strength.fits[0], result.study
     mu0, tau0 = round_median_strength(strength)
     changes: dict[str, Any] = {"friction.interface": None, "friction.mu0": [mu0], "friction.tau0": [f"{tau0!r} GPa"]}
@@ -192,7 +192,7 @@ def _evaluate_with_interface(result: MemberSums, load: float, strength: Interfac
 def _add_own_uncertainty(
     at: xarray.Dataset, result: MemberSums, *, budget: bool, tests: bool, strength: InterfaceStrength | None = None
 ) -> xarray.Dataset:
-    """Add the intervals of `add_uncertainty` to a dataset, without alternative preparations of the scans.
+    """Add combined intervals and budget to a dataset, but ignore alternative preparations of the scans.
 
     If given, `strength` replaces the interface of the study.
     """
@@ -219,7 +219,7 @@ def _evaluate_uncertainty(
     tests: bool,
     strength: InterfaceStrength | None,
 ) -> tuple[_Tables, dict[str, Any]]:
-    """Compute the combined intervals and uncertainty budgets that `add_uncertainty` adds to a dataset.
+    """Compute combined intervals and uncertainty budgets at the loads, mu0 and tau0 of a dataset.
 
     `is_budgeted` is a mask of the loads at which uncertainty budgets are computed, or None to omit the budgets.
     """
@@ -281,7 +281,7 @@ def _evaluate_uncertainty(
         return tables, {}
     percent_attributes = quantity_attributes("percentile")
     coordinates: dict[str, Any] = {"percentile": ("percentile", FRICTION_PERCENTILES, percent_attributes)}
-    # The percentiles of friction at the first cutoff must enclose the percentiles at all other cutoffs.
+    # The range of the friction percentiles at the first cutoff must include the percentiles at all other cutoffs.
     if study.surfaces.both_readings and "cut_off" in dims:
         percentiles_by_cutoff = np.moveaxis(percentiles, dims.index("cut_off"), 0)
         percentiles_by_cutoff[0] = extend_percentiles(percentiles_by_cutoff[0], percentiles_by_cutoff[1:])
@@ -308,14 +308,14 @@ def _evaluate_uncertainty(
     return tables, coordinates
 
 
-# Uncertain inputs by name, and joint samples of mu0 and tau0.
+# Uncertain inputs by name, and random samples of the pair (mu0, tau0).
 _SampledInputs = tuple[dict[str, StudyInput], list[JointSamples]]
 
 
 def find_inputs_and_strengths(
     study_inputs: Inputs, strength: InterfaceStrength | None = None, pair_checksum: str = ""
 ) -> _SampledInputs:
-    """Return the uncertain inputs, and the joint samples of mu0, tau0 and further inputs of a calibrated interface.
+    """Return a study's uncertain inputs and, for a calibrated interface, joint samples of mu0, tau0 and inputs.
 
     The joint samples contain each input that also affected the tests of the interface, because its error is the same in
     the tests and in the pair. Without an interface, there are no samples. If given, `strength` replaces the interface
@@ -341,7 +341,7 @@ def find_inputs_and_strengths(
 
 
 def _label_interface(study_inputs: Inputs, joint_samples: JointSamples) -> str:
-    """Return the label of a calibrated interface in the budget, with the inputs that its samples contain."""
+    """Return the label of a calibrated interface in the budget, with the names of the inputs in its samples."""
     names = sorted(joint_samples.inputs, key=lambda name: name != "hardness")
     labels = [study_inputs.uncertain[name].label for name in names]
     if len(labels) > MAX_NAMED_SHARED_INPUTS:
@@ -350,9 +350,9 @@ def _label_interface(study_inputs: Inputs, joint_samples: JointSamples) -> str:
 
 
 def find_slope_drifts(attributes: Mapping[str, Any]) -> dict[str, float]:
-    """Return the standard deviation of ln(rms slope of the gap) due to the roughness drift along a single scan.
+    """Return the standard deviation of ln(rms slope of the gap) due to drift, for each body with a single scan.
 
-    The keys name the body with a single scan: upper scans or lower scans. The slope at another place on a part is
+    The keys name the body with a single scan: upper scans or lower scans. The slope at another place on a body is
     assumed to differ by as much as the slopes at the two ends of the scan.
     """
     names = zip(SIDES, (UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME), strict=True)
@@ -362,7 +362,7 @@ def find_slope_drifts(attributes: Mapping[str, Any]) -> dict[str, float]:
 def _average_pairs_of_scans(
     result: MemberSums, at: xarray.Dataset, dims: Sequence[str]
 ) -> dict[tuple[int, ...], ScanPairMean | None]:
-    """Return the mean of each coefficient over all pairs of an upper and a lower scan, with its variance components.
+    """Return each coefficient's mean over all pairs of an upper and a lower scan, with its variance components.
 
     The components are the variances due to upper scans, lower scans and positions. The result is empty for a single
     pair of scans.
@@ -380,7 +380,7 @@ def _average_pairs_of_scans(
 class _QuantitiesWithCombinedIntervals:
     """Combined intervals of the quantities other than friction, such as true area and stiffness.
 
-    Each friction coefficient widens them in turn.
+    Each friction coefficient widens these intervals in turn.
     """
 
     def __init__(self, at: xarray.Dataset, dims: Sequence[str]) -> None:
@@ -392,11 +392,11 @@ class _QuantitiesWithCombinedIntervals:
                 self.tables[name] = own_dims, arrange_axes(variable, own_dims).copy()
 
     def add_intervals(self, position: tuple[int, ...], intervals: CombinedIntervals) -> None:
-        """Widen the intervals of all quantities so that they include the intervals computed with one coefficient."""
+        """Store the combined intervals of all quantities at the array position of one friction coefficient."""
         indices = dict(zip(self._dims, position, strict=True))
         estimates, positions = {}, {}
         for name, (dims, values) in self.tables.items():
-            # A quantity that does not vary along a dimension has a single interval, computed at index 0.
+            # A quantity that does not vary along a dimension has one interval, computed only at index 0.
             if any(index > 0 for dim, index in indices.items() if dim not in dims):
                 continue
             positions[name] = tuple(indices[dim] for dim in dims[:-1])
@@ -415,7 +415,7 @@ def _iterate_intervals(
     inputs_by_strength: Mapping[tuple[float, float], _SampledInputs],
     scan_means: Mapping[tuple[int, ...], ScanPairMean | None], drifts: Mapping[str, float],
 ) -> Iterator[tuple[tuple[int, ...], CombinedIntervals]]:  # fmt: skip
-    """Yield the combined intervals for each friction coefficient, with the indices of the coefficient along `dims`.
+    """Yield the combined intervals of each friction coefficient, preceded by its indices along `dims`.
 
     `inputs_by_strength` contains the results of `find_inputs_and_strengths` by mu0 and tau0.
     """
@@ -452,7 +452,7 @@ def _iterate_intervals(
         )
     shape = tuple(at.sizes[dim] for dim in dims)
     all_inputs = replace(study_inputs, mu0=at["mu0"].values[:, np.newaxis], tau0=at["tau0"].values)
-    # Quantities at the central inputs for all mu0 and tau0, by the indices along all other dimensions.
+    # Quantities at the central inputs, for all mu0 and tau0. A key contains the indices along all other dimensions.
     central_values: dict[tuple[int, ...], Any] = {}
     for position in np.ndindex(*shape):
         indices = dict(zip(dims, position, strict=True))
@@ -480,14 +480,14 @@ def _iterate_intervals(
 
 
 def _estimate_area_errors(adhesive_sums: Floats, axis: int, **_: Any) -> Floats:
-    """Return the relative standard error of the mean true area for each contact, from the members along an axis."""
+    """Return the relative standard error of the mean true area, from the adhesive sums along the axis of members."""
     return np.apply_along_axis(lambda sums: estimate_area_error(sums[np.isfinite(sums)]), axis, adhesive_sums)
 
 
 def _find_budgeted_loads(is_study_load: NDArray[np.bool_], num_coefficients: int) -> NDArray[np.bool_]:
     """Return a mask of the loads at which uncertainty budgets are computed.
 
-    The limit applies to the coefficients at all loads of the study together, and to each other load on its own.
+    `MAX_BUDGETED_COEFFICIENTS` limits the coefficients at all study loads together, and at each further load alone.
     Therefore, the budget at a load does not depend on other loads that are evaluated in addition.
     """
     num_coefficients_per_load = num_coefficients // is_study_load.size
@@ -498,7 +498,7 @@ def _find_budgeted_loads(is_study_load: NDArray[np.bool_], num_coefficients: int
 def _cover_alternatives(
     original: xarray.Dataset, alternatives: Mapping[AlternativeName, xarray.Dataset]
 ) -> xarray.Dataset:
-    """Widen intervals so that they include the intervals for alternative preparations of the scans.
+    """Widen the intervals of a dataset to include the intervals for alternative preparations of the scans.
 
     The names of the alternatives become the attribute `alternatives`. The uncertainty budget gets one row per
     alternative: the interval that would remain without this alternative. Each other row is extended by the same row in
@@ -562,7 +562,7 @@ def _cover_alternatives(
 
 
 def _get_remaining_intervals(at: xarray.Dataset, names: Iterable[str], dims: Sequence[Any]) -> Floats:
-    """Return the intervals that would remain if an input were exact, for each of the named inputs.
+    """Return for each named input the interval that would remain if this input were exact.
 
     An alternative preparation can have other inputs, such as a drift of the roughness. For an input that is missing in
     the dataset, the combined interval is returned.
@@ -582,7 +582,7 @@ def _find_budgeted_coefficients(at: xarray.Dataset, dims: Sequence[Any]) -> NDAr
 
 
 def _extend_estimates(estimates_to_widen: Floats, included_estimates: Iterable[Floats]) -> Floats:
-    """Widen the intervals of estimates so that they include the intervals of other estimates of the same quantities.
+    """Widen the interval of each estimate to include the intervals of other estimates of the same quantity.
 
     The last axis of each array contains value, lower limit and upper limit.
     """
@@ -610,7 +610,7 @@ def _get_arrays_over_dims(
 def _get_combined_coefficients(
     at: xarray.Dataset, study: Study, dims: Sequence[str], known_intervals: Floats
 ) -> Floats:
-    """Return the reported coefficients together with the limits of their combined intervals (on the last axis)."""
+    """Return value, lower limit and upper limit (last axis) of each reported coefficient, with combined intervals."""
     combined_friction = arrange_axes(at.variables["mean_friction"], (*dims, "statistic")).copy()
     lower_limits = combined_friction[..., 1]
     combined_friction[..., 1] = np.where((lower_limits < 0) & (combined_friction[..., 0] >= 0), 0.0, lower_limits)

@@ -35,9 +35,9 @@ UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME = "which piece of the upper part"
 SAMPLING_INPUT_NAMES = (UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME, POSITIONS_INPUT_NAME)
 """Names of the uncertainty sources that are not inputs of the study: the choice of scans and of positions."""
 
-# The mu0 and tau0 of a calibrated interface count as one input with this name.
+# Name of the single input for which the mu0 and tau0 of a calibrated interface count together.
 INTERFACE_INPUT_NAME = "interface"
-# The uncertainty budget fixes an input at these quantiles, and averages the remaining interval widths.
+# Quantiles at which the uncertainty budget fixes an input. The widths of the remaining intervals are averaged.
 FIXED_INPUT_QUANTILES = (0.1, 0.5, 0.9)
 
 FRICTION_PERCENTILES = np.array([5.0, 50.0, 95.0])
@@ -46,7 +46,7 @@ FRICTION_PERCENTILES = np.array([5.0, 50.0, 95.0])
 Design codes use the lowest percentile as a minimum.
 """
 
-# This limit of ln(coefficient of a single test / mean coefficient) prevents an overflow of the exponential.
+# Upper limit of ln(coefficient of a single test / mean coefficient), so that the exponential cannot overflow.
 MAX_LOG_COEFFICIENT_RATIO = 50.0
 NORMAL_DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
@@ -58,7 +58,7 @@ MAX_CACHED_PRESSURES = 256
 
 @dataclass(frozen=True)
 class JointSamples:
-    """Joint samples of mu0, tau0 (GPa) and the inputs that a pair shares with the tests of its interface.
+    """Joint samples of mu0, tau0 (GPa) and the inputs that the pair has in common with the friction tests.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ The ratio states by which factor uncertain inputs change the quantity.
 def compute_quantity_ratios(
     response: ContactResponseToInputs, inputs: InputValues, values: ResponseValues, central: ResponseValues
 ) -> dict[RatioName, Floats]:
-    """Return the quantities of a contact except the closure, each relative to its value at the central inputs.
+    """Return the ratio of each contact quantity, except the closure, to the quantity at the central inputs.
 
     `values` and `central` are the quantities that the response gives for the inputs and for the central inputs.
     """
@@ -136,19 +136,19 @@ def compute_quantity_ratios(
 
 @dataclass(frozen=True)
 class _InputSamples:
-    """Samples of uncertain inputs: cumulative probabilities, normal scores of the sampling errors, and input values."""
+    """Samples of uncertain inputs (cumulative probabilities and values) and of sampling errors (normal scores)."""
 
     probabilities: dict[str, Floats]
     scores: dict[str, Floats]
     values: dict[str, Floats]
-    # Samples of the effective modulus E*, divided by the E* of the study.
+    # Random samples of the effective modulus E*, each divided by the E* of the study.
     modulus: Floats | float
-    # Exponent of indentation creep for each sample of the inputs, or None without a creep exponent.
+    # Exponent of indentation creep in each random sample of the inputs, or None without a creep exponent.
     creep: Floats | None
 
 
 class InputSampler:
-    """Sampler of the uncertain inputs of a study, which returns the same samples for all coefficients."""
+    """Sampler of a study's uncertain inputs. All coefficients are evaluated with the same samples."""
 
     def __init__(self, study: Study) -> None:
         self._inputs = Inputs.from_study(study)
@@ -162,7 +162,7 @@ class InputSampler:
     def draw_samples(
         self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
     ) -> _InputSamples:
-        """Draw samples of the named inputs and sampling errors, or return the samples of an earlier call.
+        """Return samples of the named inputs and sampling errors, drawn in the first call and cached.
 
         Inputs in `fixed` have the value at the given quantile.
         """
@@ -176,21 +176,21 @@ class InputSampler:
         return self._inputs.relative_modulus(values)
 
     def find_areas(self, key: Any, response: ContactResponseToInputs, inputs: InputValues) -> AreasBeforeShear:
-        """Return the true areas before shear for samples of the inputs.
+        """Return the true areas (µm²) before shear for each sample of the inputs.
 
         The areas are cached, because all mu0 share them.
         """
         return _get_cached(self._areas, key, MAX_CACHED_AREAS, partial(response.areas_before_shear, inputs))
 
     def find_yield_pressure(self, key: Any, response: ContactResponseToInputs, inputs: InputValues) -> Any:
-        """Return the yield pressures (GPa) for samples of the inputs.
+        """Return the pressure (GPa) of yielding contacts for each sample of the inputs.
 
         The pressures are cached for other loads with the same `key`.
         """
         return _get_cached(self._pressures, key, MAX_CACHED_PRESSURES, partial(response.yield_pressure, inputs))
 
     def find_closures(self, key: Any, response: ContactResponseToInputs, inputs: InputValues) -> Floats:
-        """Return the closures (µm) at the computed loads for samples of the inputs.
+        """Return the closures (µm) at the computed loads for each sample of the inputs.
 
         The closures do not depend on mu0 and tau0. The closures of the last key are cached for other loads. Samples
         with the key None are evaluated every time.
@@ -218,7 +218,7 @@ class InputSampler:
 
 
 def _get_cached(cache: dict[Any, _Value], key: Any, max_size: int, compute: Callable[[], _Value]) -> _Value:
-    """Return the cached value of a key, or compute and cache the value.
+    """Return the cached value of a key. If there is no cached value, compute and cache the value first.
 
     A full cache drops its oldest value.
     """
@@ -247,12 +247,12 @@ class CombinedIntervals:
     ) -> None:  # fmt: skip
         self.study, self.response, self._sampler = study, response, sampler
         self.mu0, self.tau0, self.rule = float(point["mu0"]), float(point["tau0"]), str(point["sliding"])
-        # Mean coefficient of friction, and limits of the interval of the mean.
+        # Mean coefficient of friction, and lower and upper limit of the interval of the mean over positions.
         self.sampling_estimate: Floats = point["mean_friction"]
         self.names: tuple[str, ...] = ()
         self.inputs: dict[str, UncertainInput] = {name: study_input.estimate for name, study_input in inputs.items()}
-        # The first element of `strengths` contains samples of both mu0 and tau0.
-        # In each further element, mu0 or tau0 is 0.
+        # The first element of `strengths` contains random samples of the pair (mu0, tau0).
+        # In each further element of `strengths`, mu0 or tau0 is 0 in all samples.
         self.strengths = strengths
         self.is_tested = any(samples.area_scores is not None for samples in strengths)
         self.area_error = area_error
@@ -266,9 +266,9 @@ class CombinedIntervals:
         if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
             return
         self.value, self.sampling = value, (lower, upper)
-        # Range of the coefficient of friction that finer scans could give, computed from the mean coefficient.
+        # Range of friction coefficients that finer scans could give, computed from the mean coefficient.
         self.finest: tuple[float, float] | None = None
-        # The same range, but with an upper limit computed from the upper end of the interval of the mean coefficient.
+        # As `finest`, but with an upper limit computed from the upper end of the interval of the mean coefficient.
         self.bracket: tuple[float, float] | None = None
         is_nonadhesive_half_space = study.uses_half_space and not study.contact.adheres
         if study.contact.hardness is not None and is_nonadhesive_half_space and self.rule == "all":
@@ -281,7 +281,7 @@ class CombinedIntervals:
         )
         self.scatter, self.freedom = self._find_test_scatter(point)
         is_unresolved = self.finest is not None and self.finest[1] > self.finest[0]
-        # If the interface was calibrated on this pair, its strength includes the errors of the pair's true area.
+        # The mu0 and tau0 of an interface calibrated on this pair already include the errors of the pair's true area.
         sources = (*self.standard_errors, *self.drifts, *((UNRESOLVED_ROUGHNESS_INPUT_NAME,) if is_unresolved else ()))
         self.names = (
             *self.inputs,
@@ -290,7 +290,7 @@ class CombinedIntervals:
         )
 
     def _split_relative_error_by_source(self, lower: float, upper: float, value: float) -> dict[str, float]:
-        """Return the relative standard error of a mean by source: upper scans, lower scans and positions.
+        """Split the relative standard error of a mean by source: upper scans, lower scans and positions.
 
         Zeros are omitted.
         """
@@ -309,7 +309,7 @@ class CombinedIntervals:
         }
 
     def _find_test_scatter(self, point: Mapping[str, Any]) -> tuple[float, float]:
-        """Return the relative standard deviation of a single test about the mean, and its degrees of freedom.
+        """Return the relative standard deviation of single tests about their mean, and its degrees of freedom.
 
         A single test is a test of one new member in one direction.
         """
@@ -323,7 +323,7 @@ class CombinedIntervals:
     # ---- Friction ----------------------------------------------------------------------------------------------------
 
     def estimate_zero_coefficient(self) -> tuple[float, float, float]:
-        """Return a coefficient that is 0 at the central inputs, and both limits of its 95 % interval.
+        """Return the coefficient with its 95 % interval if the coefficient is 0 at the central inputs, or NaN.
 
         Relative errors of such a coefficient are undefined. Therefore, the interval is computed from samples of mu0 and
         tau0. It contains the coefficient and the interval of its mean, and its lower limit is at least 0. The result is
@@ -345,7 +345,7 @@ class CombinedIntervals:
         return value, max(lower_limit, 0.0), upper_limit
 
     def interval(self, fixed: Mapping[str, float] = _NO_FIXED_INPUTS) -> Interval:
-        """Return the combined 95 % interval of the coefficient; inputs in `fixed` keep the given quantiles.
+        """Return the combined 95 % interval of the coefficient, with the inputs in `fixed` at the given quantiles.
 
         The interval contains the coefficient. Unless `fixed` contains these sources, it also contains the interval of
         the mean and the range of coefficients for finer scans.
@@ -387,7 +387,7 @@ class CombinedIntervals:
         return float(np.isinf(self._sample_friction({})[1]).mean())
 
     def predict_next_test(self) -> Interval:
-        """Return the 95 % prediction interval of the coefficient in one more test in one direction of motion."""
+        """Return the 95 % prediction interval for the coefficient of one further test in one direction of motion."""
         first_interval, *other_intervals = (
             compute_equal_tailed_interval(*samples, coverage)
             for samples, coverage in zip(self._next_test_samples, self._coverages, strict=True)
@@ -397,7 +397,7 @@ class CombinedIntervals:
         )
 
     def predict_percentiles(self) -> Floats:
-        """Return the `FRICTION_PERCENTILES` of the coefficient in single tests, widened to enclose the mean."""
+        """Return the percentiles `FRICTION_PERCENTILES` of single tests; their range encloses the mean coefficient."""
         probabilities = FRICTION_PERCENTILES / 100
         percentiles_by_strength = [
             compute_quantiles(
@@ -413,10 +413,10 @@ class CombinedIntervals:
 
     @cached_property
     def _next_test_samples(self) -> list[tuple[Floats, Floats]]:
-        """Samples of the coefficient in one more test in one direction, paired with samples of its upper limit.
+        """Samples of the coefficient in one further test in one direction, and samples of its upper limit.
 
         Student's t distribution applies to the logarithm of the coefficient, so that the coefficient is above 0. The
-        test is at another place of a part whose roughness drifts, so that the drift counts twice. The list has one pair
+        test is at another place of a body whose roughness drifts, so that the drift counts twice. The list has one pair
         of arrays. For a calibrated interface, further pairs have mu0 = 0 or tau0 = 0.
         """
         scores = _compute_test_scores(self.freedom, len(self.names) + 1)
@@ -426,7 +426,7 @@ class CombinedIntervals:
         return self._sample_all_strengths(fixed_quantiles, factor=factor, drift_factor=math.sqrt(2))
 
     def friction_after_dwell(self, dwell_time: float) -> tuple[float, float, float]:
-        """Return the coefficient after a dwell time (s), followed by the limits of its combined 95 % interval.
+        """Return the coefficient after a dwell time (s), followed by the limits of the combined 95 % interval.
 
         The coefficient is NaN if the nominal pressure reaches the hardness.
         """
@@ -492,13 +492,13 @@ class CombinedIntervals:
         return self._compute_interval_of_samples(fixed)
 
     def _compute_interval_of_samples(self, fixed: Mapping[str, float], dwell_time: float = 1.0) -> Interval:
-        """Return the 95 % interval of sampled coefficients, including samples that set mu0 or tau0 to 0.
+        """Return the 95 % interval of coefficient samples, extended by the intervals with mu0 = 0 or tau0 = 0.
 
         The interval is cached for further evaluations of the same coefficient, possibly together with other
         coefficients.
         """
         response = self.response
-        # The round-off of a coefficient depends on its neighbours in an array, so the cache key uses 12 decimals.
+        # The round-off of a coefficient depends on its neighbours in the array, so the cache key has 12 decimals.
         estimate = self.sampling_estimate.round(12).tobytes()
         coefficient = response.load, id(response.area), self.rule, self.mu0, self.tau0, estimate
         interval_key = coefficient, self.names, (*fixed.items(),), dwell_time
@@ -515,19 +515,22 @@ class CombinedIntervals:
 
     @property
     def _coverages(self) -> list[float]:
-        """Probability of the interval that is computed from each item of `strengths`."""
+        """Coverages, such as 0.95, of the intervals that are computed from the joint samples in `strengths`."""
         return [each.coverage for each in self.strengths] or [INTERVAL_COVERAGE]
 
     @property
     def _intervals_without_upper_limit(self) -> list[Interval]:
-        """List with the interval [value, ∞) if friction at the central inputs has no upper limit, or an empty list."""
+        """Interval [value, ∞) in a list if friction at the central inputs has no upper limit, or an empty list."""
         return [Interval(self.value, math.inf)] if self._central.has_no_upper_limit else []
 
     def _sample_all_strengths(
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, factor: Floats | float = 1.0,
         drift_factor: float = 1.0,
     ) -> list[tuple[Floats, Floats]]:  # fmt: skip
-        """Return a pair per item of `strengths`: samples of the coefficient and of its upper limit, times `factor`."""
+        """Return samples of the coefficient and of its upper limit, one pair of arrays per item of `strengths`.
+
+        All samples are multiplied by `factor`.
+        """
         num_strengths = 1 if INTERFACE_INPUT_NAME in fixed else max(len(self.strengths), 1)
         samples = (self._sample_friction(fixed, dwell_time, index, drift_factor) for index in range(num_strengths))
         return [(lower * factor, upper * factor) for lower, upper in samples]
@@ -535,7 +538,7 @@ class CombinedIntervals:
     def _sample_friction(
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, strength_index: int = 0, drift_factor: float = 1.0
     ) -> tuple[Floats, Floats]:
-        """Return samples of the coefficient, and samples of its upper limit, which may be infinite.
+        """Return samples of the coefficient, and samples of the coefficient's upper limit, which may be infinite.
 
         `strength_index` selects an entry of `strengths`, if there are any. If unresolved roughness may change the
         coefficient, the samples are spread between the lowest and the highest coefficient for finer scans.
@@ -569,7 +572,7 @@ class CombinedIntervals:
         self, inputs: InputValues, names: tuple[str, ...], fixed: Mapping[str, float] = _NO_FIXED_INPUTS,
         dwell_time: float = 1.0, drift_factor: float = 1.0,
     ) -> tuple[AreasBeforeShear | None, Any]:  # fmt: skip
-        """Return areas before shear and yield pressures from the cache.
+        """Return true areas before shear and yield pressures from the cache, computed in the first call.
 
         Returns None for both with a calibrated interface.
 
@@ -639,7 +642,7 @@ class CombinedIntervals:
 
 @lru_cache(maxsize=8)
 def _compute_test_scores(freedom: float, num_dimensions: int) -> Floats:
-    """Return samples of Student's t distribution, one for the last coordinate of each stratified sample point."""
+    """Return quantiles of Student's t distribution at the last coordinate of each stratified sample point."""
     from scipy.special import stdtrit
 
     return make_read_only(np.asarray(stdtrit(freedom, generate_stratified_points(num_dimensions)[:, -1])))
@@ -653,7 +656,7 @@ def _compute_friction_angle_difference(ends: tuple[float, float]) -> float:
 def compute_equal_tailed_interval(
     values: NDArray[Any], upper_values: NDArray[Any] | None = None, coverage: float = INTERVAL_COVERAGE
 ) -> Interval:
-    """Return the limits of the equal-tailed interval of samples, by default of 95 %; see `compute_quantiles`.
+    """Return the equal-tailed interval that contains the fraction `coverage` of samples; see `compute_quantiles`.
 
     Raises
     ------
@@ -684,7 +687,7 @@ def compute_quantiles(
             "specify narrower ranges"
         )
 
-    # Interpolation between two infinite samples would give NaN.
+    # Quantiles are not interpolated if samples are infinite, because interpolation between two infinities gives NaN.
     method: Literal["inverted_cdf", "linear"] = "inverted_cdf" if np.isinf(values).any() else "linear"
     if upper_values is None or upper_values is values or not np.isinf(upper_values).any():
         return _find_quantiles(probabilities, values, axis, method)
@@ -699,7 +702,7 @@ def compute_quantiles(
 def _find_quantiles(
     probabilities: Floats, values: NDArray[Any], axis: int | None, method: Literal["inverted_cdf", "linear"]
 ) -> Floats:
-    """Return the same quantiles as `numpy.quantile`, to the last bit, and in a fifth of the time if there is no axis.
+    """Return exactly the quantiles of `numpy.quantile`, in a fifth of the time if `axis` is None.
 
     `numpy.partition` uses SIMD instructions only for a single index, and `numpy.quantile` passes several indices.
     """
@@ -710,7 +713,7 @@ def _find_quantiles(
 
 
 def _select_quantile(probability: float, values: NDArray[Any]) -> float:
-    """Return the quantile at which the empirical distribution function of samples reaches the probability."""
+    """Return the smallest sample at which the empirical distribution function reaches a probability."""
     index = max(math.ceil(probability * values.size - 1), 0)
     return float(np.partition(values, index)[index])
 
@@ -731,7 +734,7 @@ def _interpolate_quantile(probability: float, values: NDArray[Any]) -> float:
 
 
 def extend_percentiles(percentiles: Floats, other_percentiles: Iterable[Floats]) -> Floats:
-    """Lower the low percentiles and raise the high percentiles so that they enclose the percentiles of other samples.
+    """Widen the range of percentiles to enclose the percentiles of other samples.
 
     The median, and missing percentiles, are kept. NaN in the other percentiles is ignored.
     """

@@ -29,7 +29,7 @@ NOT_COMPUTED_STATUSES = (STATUS_BELOW_RANGE, STATUS_NOT_REACHED, STATUS_NOT_SOLV
 
 
 def find_loads_without_values(result: MemberSums, values: xarray.Dataset) -> list[float]:
-    """Return the loads (mN) of a dataset that were not computed and therefore have no coefficient.
+    """Return the loads (mN) of a dataset that have no coefficient because they were not computed.
 
     A computed load without a coefficient, for example because the contact is self-locked, is not returned. Neither is a
     negligible load on adhesive bodies, for which there is a pull-off force.
@@ -81,7 +81,7 @@ def find_neighbouring_loads(study: Study, loads: ArrayLike) -> dict[float, tuple
 
 
 def find_loads_outside_range(result: MemberSums, values: xarray.Dataset) -> list[float]:
-    """Return the loads (mN) of a dataset outside the computed range, except negligible loads on adhesive bodies."""
+    """Return the loads (mN) of a dataset that are outside the computed range, except negligible loads with adhesion."""
     lowest_load, highest_load = find_computed_load_range(result, values)
     return [
         float(load)

@@ -88,7 +88,7 @@ class AreaFunction:
         return measured_hardness * size_effect_factor(size_effect, depth, self.indent)
 
     def elastic_area(self, load: ArrayLike, modulus: ArrayLike = 1.0) -> Floats:
-        """Return the true area (µm²) of elastic bodies at a load (mN), with E* multiplied by the factor `modulus`.
+        """Return the true area (µm²) if the bodies are elastic, at a load (mN) and with E* times the factor `modulus`.
 
         Above and below the computed loads, the area is proportional to the load.
         """
@@ -146,7 +146,7 @@ class AreaFunction:
         yield_exponent: ArrayLike | None = None, elastic_area: Floats | None = None,
         size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH, yield_pressure: Floats | None = None,
     ) -> OnsetState:  # fmt: skip
-        """Return the state of the contacts at the onset of sliding, such as true area and friction fraction.
+        """Return the state of the contacts at the onset of sliding, such as their true area.
 
         `yield_pressure` is the pressure (GPa) of yielding contacts under this law at this load, if computed before. All
         other arguments are the same as for `__call__`.
@@ -168,12 +168,12 @@ class _SolvedAreas:
     all_members: Floats
     # True areas, averaged over the members whose elastic area is stored.
     elastic_members: Floats
-    # Elastic areas, averaged over the members whose elastic area is stored, or estimated. NaN if the study needs none.
+    # Means of the stored elastic areas, or estimates of these means. NaN if the study needs no elastic areas.
     elastic: Floats
 
 
 def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
-    """Average the stored true areas over pairs of scans, or over surrogates if the result has no pairs of scans."""
+    """Average the stored true areas over the members that are pairs of scans or, without such members, surrogates."""
     study = result.study
     has_elastic_areas = study.contact.yield_exponent is not None
     first_index = study.surfaces.first_scan_member_index
@@ -196,7 +196,7 @@ def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
             member_counts[index] += mask.sum(axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
         all_members, elastic_members, elastic = area_sums / member_counts
-    # An unfinished result may lack all members with a stored elastic area.
+    # In an unfinished result, all members with a stored elastic area may be missing.
     lacks_elastic = ~np.isfinite(elastic).any(axis=1)
     if has_elastic_areas and lacks_elastic.any():
         elastic_members[lacks_elastic] = all_members[lacks_elastic]
@@ -243,7 +243,7 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
 def compute_onset_area_and_friction_factors(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats
 ) -> tuple[Floats, Floats]:
-    """Return two factors at the onset of sliding: growth of the true area under shear, and `friction_fraction`.
+    """Return the growth of the true area under shear, and the friction fraction, at the onset of sliding.
 
     The growth is the true area divided by the area before shear. The friction fraction is
     `OnsetState.friction_fraction`. Both arrays have the shape (cells, loads, mu0, tau0). The growth is infinite at
@@ -262,7 +262,7 @@ def compute_onset_area_and_friction_factors(
 
 
 def _estimate_contact_depths(result: MemberSums) -> Floats | None:
-    """Return the depths (µm) of indentations as large as the mean contact, as an array (cutoffs, loading steps).
+    """Return the depth (µm) of an indentation of the mean contact's size, as an array (cutoffs, loading steps).
 
     Returns None if the depth of the indentation that measured the hardness is unknown. The contacts have the true area
     at the measured hardness.
@@ -278,14 +278,14 @@ def _estimate_contact_depths(result: MemberSums) -> Floats | None:
 
 
 def _average_contact_loads(result: MemberSums) -> Floats | None:
-    """Return the mean load (mN) on the contacts, including the attraction, as an array (cutoffs, loading steps)."""
+    """Return the mean load (mN) on the contacts (load plus attraction) as an array (cutoffs, loading steps)."""
     if "contact_load" not in result.head.variables:
         return None
     return np.asarray(result.means(["contact_load"])["contact_load"].transpose("cut_off", "load").values)
 
 
 def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
-    """Estimate the elastic areas (µm²) for a result that stores only areas at pressures limited to the hardness.
+    """Estimate elastic areas (µm²) if a result contains only contacts whose pressure is limited to the hardness.
 
     The estimate A = κ F/(E* h') holds for small loads. Surfaces that fit perfectly are in complete contact.
     """
@@ -300,7 +300,7 @@ def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
 
 
 def compute_load_exponents(result: MemberSums, name: str, loads: Floats) -> Floats:
-    """Return the exponents d ln(q) / d ln F at given loads F (mN), where q is the mean of a stored quantity."""
+    """Return d ln(q)/d ln(F), where q is the mean of a stored quantity, at given loads F (mN)."""
     steps = result.study.contact.loading_steps()
     quantity = result.means([name]).variables[name]
     mean = np.asarray(quantity.mean([dim for dim in quantity.dims if dim != "load"]).values)
@@ -308,7 +308,7 @@ def compute_load_exponents(result: MemberSums, name: str, loads: Floats) -> Floa
 
 
 def compute_exponents(loads: Floats, values: Floats) -> Floats:
-    """Return the exponent d ln(q) / d ln F at each load F.
+    """Return the exponents d ln(q)/d ln(F) of a quantity that has the values q at the loads F.
 
     Returns 1 if fewer than two values of q are known.
     """
@@ -321,7 +321,7 @@ def compute_exponents(loads: Floats, values: Floats) -> Floats:
 
 
 def compute_yield_factors(result: MemberSums) -> Floats | None:
-    """Return the true area divided by the stored area, as an array (cutoffs, loading steps).
+    """Return the ratio of the true area to the stored area as an array (cutoffs, loading steps).
 
     The stored area is that of contacts whose pressure is limited to the hardness. Returns None if both areas are equal,
     because the bodies are elastic or the result has no elastic areas.
@@ -344,7 +344,7 @@ def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
         # In complete contact, round-off may raise the elastic area above the nominal area.
         largest_areas = np.maximum(areas.elastic, float(result.head["nominal_area"]))
         factors = np.minimum(true_areas, largest_areas) / areas.elastic_members
-    # At loads without an elastic area, the factor is interpolated.
+    # The ratio of true to elastic area is interpolated at loads without an elastic area.
     for cell_factors in factors:
         is_known = np.isfinite(cell_factors)
         if is_known.any():
@@ -356,7 +356,7 @@ def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
 
 
 def iterate_pieces_with_true_areas(result: MemberSums, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-    """Yield groups of members, in which areas summed over contacts are scaled to the true area of yielding contacts.
+    """Yield groups of members, with area sums scaled to the true area of yielding contacts.
 
     The scaled sums are `AREA_SUMS`. All other sums are those of the half-space solution.
     """

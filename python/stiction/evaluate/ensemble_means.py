@@ -45,7 +45,7 @@ def average_ensemble(
     ratio_names = [name for name in RATIO_QUANTITIES if is_requested(name, names)]
     evaluate = partial(_evaluate_direction_groups, result, loads, mu0, tau0, includes_ratios=bool(ratio_names))
     quantities = [name for name in _list_ensemble_quantities(head) if is_requested(name, names)]
-    # Friction contributes to the normal load, so area and stiffness at this load depend slightly on mu0 and tau0.
+    # Friction carries part of the normal load, so area and stiffness at a normal load depend slightly on mu0 and tau0.
     if "direction" in head.dims:
         all_directions = np.arange(head.sizes["direction"])[np.newaxis]
         means = evaluate(["friction_coefficient", *quantities], all_directions)
@@ -91,7 +91,7 @@ def _evaluate_direction_groups(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, quantities: Sequence[str],
     groups: NDArray[np.intp] | None = None, *, includes_ratios: bool,
 ) -> dict[str, xarray.Dataset]:  # fmt: skip
-    """Evaluate quantities at given mean normal loads, one mean for each group of directions of motion.
+    """Evaluate quantities at given mean normal loads, averaged over the directions of motion in each group.
 
     The groups are direction indices with the shape (groups, directions). Without groups, no average is computed.
     """
@@ -111,7 +111,7 @@ def _evaluate_direction_groups(
 
 
 def _average_unloaded_members(result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats) -> dict[str, Any]:
-    """Average over unloaded members: pull-off force, fraction of lower bounds on this force, and friction."""
+    """Average over members without load: pull-off force, fraction of pull-off forces that are bounds, and friction."""
     import xarray
 
     variables = {}
@@ -136,7 +136,7 @@ def _add_statistic_dimension(table: xarray.Dataset, name: str) -> xarray.Variabl
 def compute_ensemble_friction(
     result: MemberSums | xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats
 ) -> xarray.DataArray:
-    """Return the coefficient mean(F_T) / mean(F_N) at elastic loads (mN), with jackknife intervals.
+    """Return the friction coefficient mean(F_T) / mean(F_N) at elastic loads (mN), with its jackknife interval.
 
     The means are taken over members and directions. The dimensions are cells, sliding, load, mu0, tau0 and statistic.
     The coefficient is NaN if mean(F_N) is not above 0.

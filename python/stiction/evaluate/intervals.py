@@ -20,7 +20,7 @@ from stiction._checks import Floats
 
 CONFIDENCE_LEVEL = 0.95
 INTERVAL_STATISTICS = ["mean", "lower", "upper"]
-# Number of loading steps on each side of a load to which a straight line is fitted, whose slope is that of the curve.
+# The slope of a curve at a load is fitted to this number of loading steps on each side of the load.
 NUM_LOAD_STEPS_PER_SIDE_OF_SLOPE_FIT = 4
 MAX_INTERPOLATED_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads that allows interpolation between them."""
@@ -42,7 +42,7 @@ Friction up to this fraction of the load or of the pull-off force counts as roun
 """
 _NEIGHBOUR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_NEWTON_STEPS = 50
-# A sample gets a symmetric interval up to this skewness.
+# The interval of a mean is symmetric if the skewness of the values is at most this number.
 _MAX_SYMMETRIC_SKEWNESS = 1e-9
 # Student's t distribution counts as normal above this number of degrees of freedom.
 MAX_DEGREES_OF_FREEDOM = 1e6
@@ -70,7 +70,7 @@ class LoadCrossings:
     reached: NDArray[np.bool_]
     # True for loads below the first step, with the shape (..., loads).
     below: NDArray[np.bool_]
-    # Loads of the curves and requested loads if the ratio of a quantity to the load is interpolated, otherwise None.
+    # Loads of the curves and requested loads, or None unless the ratio of a quantity to the load is interpolated.
     scale: tuple[Floats, Floats] | None = None
 
     @classmethod
@@ -93,7 +93,7 @@ class LoadCrossings:
                 log_crossings.below,
                 (curve, loads),
             )
-        # The shape is (..., k, l) for k steps and l loads.
+        # `is_at_least_load` has the shape (..., steps, loads).
         is_at_least_load = curve[..., np.newaxis] >= loads
         starts_at_load = curve[..., :1, np.newaxis] == loads
         is_crossing = np.concatenate(
@@ -109,12 +109,12 @@ class LoadCrossings:
         return cls(index, fraction, reached, ~reached & is_at_least_load[..., 0, :])
 
     def without_crossings_after_nan(self, curve: Floats, loads: Floats) -> LoadCrossings:
-        """Remove the crossings directly after a loading step at which the curve is unknown (NaN)."""
+        """Remove the crossings that lie between a loading step with a NaN in `curve` and the next loading step."""
         value_before, value_at_crossing = self._get_bracketing_values(curve)
         return replace(self, reached=self.reached & (np.isfinite(value_before) | (value_at_crossing == loads)))
 
     def _get_bracketing_values(self, curve: Floats) -> tuple[Floats, Floats]:
-        """Return the values of a curve at the loading steps below and above each requested load."""
+        """Return the values of a curve at the loading steps before and after each crossing."""
         values_before, values_after = (
             np.take_along_axis(curve, index, axis=-1) for index in (np.maximum(self.index - 1, 0), self.index)
         )
@@ -154,12 +154,12 @@ class LoadCrossings:
 
     @property
     def loads(self) -> Floats:
-        """Requested loads (mN), which are known only if the crossings were found with `interpolates_ratio`."""
+        """Requested loads (mN), stored only if the crossings were found with `interpolates_ratio`."""
         assert self.scale is not None, "the crossings were found with interpolates_ratio"
         return self.scale[1]
 
     def interpolate_with_slopes(self, values: Floats, slopes: Floats) -> tuple[Floats, Floats]:
-        """Interpolate an increasing quantity and its derivative d/d ln(load), with cubics between the loading steps.
+        """Return an increasing quantity and its derivative with respect to ln(load), by cubics between loading steps.
 
         The arrays have the shape (..., k), and the results have the shape (..., l). The crossings must have been found
         with `interpolates_ratio`. Between two loading steps, slopes are limited so that the cubic increases (Fritsch &
@@ -219,7 +219,7 @@ class LoadCrossings:
         return self.interpolate_with_slopes(values, slopes)[0]
 
     def min_at_bracketing_steps(self, values: Floats) -> Floats:
-        """Return the smaller of the two values of a quantity at the steps below and above each requested load."""
+        """Return the smaller of the two values of a quantity at the steps before and after each crossing."""
         return np.minimum(*self._get_bracketing_values(values))
 
     def slope(self, values: Floats, reference_values: Floats) -> Floats:
@@ -261,7 +261,7 @@ class MeansAtLoads:
         self._num_carrying = np.zeros(normal.shape[0], np.intp)
 
     def add_repetitions(self, normal: Floats, quantities: Sequence[Floats]) -> None:
-        """Add the normal load and each quantity of further repetitions, as arrays (curves, steps, repetitions)."""
+        """Include further repetitions in the jackknife sums. Arrays have the shape (curves, steps, repetitions)."""
         self._num_carrying += np.count_nonzero(normal.any(axis=1), axis=1)
         points = {"curve": self._curve, "step": self._index, "fraction": self._fraction, "load": self._load}
         for quantity, values in zip(self._quantities, quantities, strict=True):
@@ -282,7 +282,7 @@ class MeansAtLoads:
         return self._arrange_over_loads(lower), self._arrange_over_loads(upper)
 
     def _interpolate_at_crossings(self, curves: Floats) -> Floats:
-        """Interpolate curves of any quantity at the crossings with the requested loads."""
+        """Interpolate curves of a quantity linearly at the crossings with the requested loads."""
         values_after, values_before = (
             curves[self._curve, self._index],
             curves[self._curve, np.maximum(self._index - 1, 0)],
@@ -290,7 +290,7 @@ class MeansAtLoads:
         return np.asarray(values_before + self._fraction * (values_after - values_before))
 
     def _arrange_over_loads(self, values_at_crossings: Floats) -> Floats:
-        """Arrange one number per crossing in an array (curves, loads), with NaN at loads without a crossing."""
+        """Arrange one number per crossing in an array (curves, loads); NaN where a curve does not reach a load."""
         values_at_loads = np.full(self.crossing.reached.shape, np.nan)
         values_at_loads[self.crossing.reached] = values_at_crossings
         return values_at_loads
@@ -308,7 +308,7 @@ class _QuantityAtLoads:
     def add_repetitions(
         self, normal: Floats, values: Floats, points: Mapping[str, NDArray[Any]], total_repetitions: int
     ) -> None:
-        """Add the normal load and the quantity of further repetitions, as arrays (curves, steps, repetitions)."""
+        """Include further repetitions in the jackknife sums. Arrays have the shape (curves, steps, repetitions)."""
         self.has_negative_values |= (values < 0).any(axis=(1, 2))
         power_sums = _core.jackknife_sums(
             normal, values, **points, mean=self.mean, slope=self._slope, total_repetitions=total_repetitions
@@ -319,7 +319,7 @@ class _QuantityAtLoads:
         self.keeps_load &= power_sums[9] > MIN_RELATIVE_CHANGE
 
     def interval(self, curve: NDArray[np.intp]) -> tuple[Floats, Floats]:
-        """Return the limits of the interval at each crossing of a load curve with a requested load.
+        """Return the interval limits of the mean, one pair for each crossing of a load curve with a requested load.
 
         `curve` contains the index of the curve of each crossing.
         """
@@ -340,14 +340,14 @@ class _QuantityAtLoads:
 
 
 class PowerSums:
-    """Sums of the first four powers of jackknife values, from which the half width of an interval is computed."""
+    """Sums of the first to fourth powers of jackknife values, which determine the half width of an interval."""
 
     def __init__(self, shape: tuple[int, ...]) -> None:
         self._count = 0
         self._sums = np.zeros((4, *shape))
 
     def add_values(self, values: Floats) -> None:
-        """Add the first four powers of further jackknife values to the sums."""
+        """Include further jackknife values in the stored sums of powers."""
         self._count += values.shape[-1]
         squares = values * values
         self._sums[0] += values.sum(axis=-1)
@@ -356,12 +356,12 @@ class PowerSums:
             self._sums[index] += np.einsum("...r,...r", *factors)
 
     def add_sums(self, count: int, sums: Floats) -> None:
-        """Add the sums of the first four powers of `count` further jackknife values."""
+        """Add the sums of the first four powers of `count` further jackknife values to the stored sums."""
         self._count += count
         self._sums += sums
 
     def is_finite(self) -> NDArray[np.bool_]:
-        """Return whether all jackknife values that were added are finite."""
+        """Return a mask that is true where all added jackknife values are finite."""
         return np.asarray(np.isfinite(self._sums).all(axis=0))
 
     def half_width(self) -> Floats:
@@ -381,7 +381,7 @@ class PowerSums:
 
 
 def _fit_slopes(quantities: Sequence[Floats], normal: Floats, index: NDArray[np.intp]) -> list[Floats]:
-    """Return d(quantity)/d(normal load) of each quantity near given loading steps, from fitted straight lines.
+    """Return d(quantity)/d(normal load) near given loading steps, as the slopes of fitted straight lines.
 
     Quantities and loads have the shape (p, k), and the indices of the loading steps have the shape (p,).
     """
@@ -393,7 +393,7 @@ def _fit_slopes(quantities: Sequence[Floats], normal: Floats, index: NDArray[np.
     count = is_inside.sum(axis=1, keepdims=True)
 
     def compute_deviations(curves: Floats) -> Floats:
-        """Return the deviation of each curve from its mean in a window of loading steps, and 0 outside the window."""
+        """Return each curve minus its mean over the window of loading steps; 0 outside the window."""
         values = np.where(is_inside, np.take_along_axis(curves, window_indices, axis=1), 0.0)
         return np.where(is_inside, values - values.sum(axis=1, keepdims=True) / count, 0.0)
 
@@ -442,7 +442,11 @@ def interval_around_mean(mean: ArrayLike, half_width: ArrayLike, is_signed: Arra
 
 @lru_cache(maxsize=32)
 def _compute_mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
-    """Return constants of the autoregressive models: 1' R^-1 1, variance inflation, t quantile, and t density at 0."""
+    """Return constants for intervals of means of `count` values, for each tabulated correlation of neighbours.
+
+    With the correlation matrix R of the values, the constants are 1' R^-1 1, the variance of the mean relative to that
+    of a value, and the two-sided 95 % quantile and the peak density of Student's t distribution.
+    """
     rho, lags = _NEIGHBOUR_CORRELATIONS, np.arange(1, count)
     weight_sums = (count - (count - 2) * rho) / (1 + rho)
     inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2
@@ -451,7 +455,7 @@ def _compute_mixture_constants(count: int) -> tuple[Floats, Floats, float, float
 
 
 def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
-    """Average values at neighbouring positions (first axis), and return the mean with an interval.
+    """Average values at neighbouring positions (first axis), and return the mean with the limits of its interval.
 
     The interval allows for correlation between neighbours.
 
@@ -461,7 +465,7 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
     there are fewer than `MIN_NEIGHBOURING_VALUES` values or if all values are equal.
     """
     count = values.shape[0]
-    # Each row is summed separately, so that its round-off does not depend on the other rows.
+    # Each row of the transposed array is averaged separately, so the round-off of a mean is independent of other rows.
     rows = np.ascontiguousarray(values.reshape(count, math.prod(values.shape[1:])).T)
     mean = rows.mean(axis=1) if count else np.full(rows.shape[0], np.nan)
     lower, upper = np.full((2, mean.size), np.nan)
@@ -474,7 +478,7 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
-    """Return the interval limits of the mean of each row, whose values are correlated between neighbours.
+    """Return the limits of the interval of each row's mean, for values that are correlated with their neighbours.
 
     Returns NaN for rows of equal values.
 
@@ -488,12 +492,12 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
     has_spread = (standard_deviation > 0) & (values != values[:, :1]).any(axis=1)
     y, rho = deviations / np.where(has_spread, standard_deviation, 1.0)[:, np.newaxis], _NEIGHBOUR_CORRELATIONS
     y[~has_spread] = np.linspace(-1.0, 1.0, value_count)
-    # For an autoregressive process, 1' R^-1 1, 1' R^-1 y and y' R^-1 y follow from a few sums over y.
+    # With the correlation matrix R of an autoregressive process, 1' R^-1 1, 1' R^-1 y and y' R^-1 y are short sums.
     weight_sums, inflation, quantile, density = _compute_mixture_constants(value_count)
     end_values = y[:, [0, -1]]
     inner_sums, end_squares = y[:, 1:-1].sum(axis=1)[:, np.newaxis], np.square(end_values).sum(axis=1)[:, np.newaxis]
     products = (y[:, 1:] * y[:, :-1]).sum(axis=1)[:, np.newaxis]
-    # The array has the shape (c, number of correlations rho).
+    # `centre` has one row for each row of y, and one column for each correlation rho.
     centre = (end_values.sum(axis=1)[:, np.newaxis] + (1 - rho) * inner_sums) / (1 + rho) / weight_sums
     total_squares = (1 + rho**2) * (np.square(y).sum(axis=1)[:, np.newaxis]) - rho**2 * end_squares - 2 * rho * products
     squares = total_squares / (1 - rho**2) - weight_sums * centre**2
@@ -502,7 +506,7 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
     weights /= weights.sum(axis=1, keepdims=True)
     standard_errors = np.sqrt(squares / (value_count - 1) * inflation)
 
-    # Above 0, the distribution function of the mean is concave, so Newton steps from below never exceed its quantile.
+    # Above 0, the distribution function of the mean is concave, so Newton steps from below do not pass the quantile.
     quantile_estimate, moving_rows = quantile * standard_errors.min(axis=1), np.arange(mean.size)
     for _ in range(_MAX_NEWTON_STEPS):
         row_weights, row_errors = weights[moving_rows], standard_errors[moving_rows]
@@ -530,7 +534,7 @@ def average_line_means(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats,
     _, first_indices, index = np.unique(lines, return_index=True, return_inverse=True)
     line_means = values
     if first_indices.size > 1:
-        # Each line gets one number, such that the mean of these numbers equals the mean over positions.
+        # `line_means` contains one number for each line. The mean of these numbers equals the mean over all positions.
         position_counts = np.bincount(index).reshape(-1, *(1,) * (values.ndim - 1))
         line_sums = np.zeros((first_indices.size, *values.shape[1:]))
         np.add.at(line_sums, index, values)
@@ -604,8 +608,7 @@ def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[n
     freedom = float(freedoms[~is_separate].sum())
     residual_variance = float(sums[~is_separate].sum()) / max(freedom, 1.0)
     variance_components = np.append(np.where(is_separate, mean_squares - residual_variance, 0.0)[:2], residual_variance)
-    # Each separate mean square in the sum of `variance_components` is reduced by the residual variance. With these
-    # reductions, the factor of the residual variance in the sum is 1 minus the number of separate mean squares.
+    # The sum of `variance_components` is Σ (separate mean squares) + (1 - their number) · (residual variance).
     component_weights = np.append(
         np.where(is_separate, mean_squares, 0.0)[:2], (1 - is_separate.sum()) * residual_variance
     )

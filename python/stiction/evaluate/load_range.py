@@ -32,7 +32,7 @@ def choose_loads_in_range(result: MemberSums | xarray.Dataset, steps: int = 80) 
 
 
 def choose_default_loads(result: MemberSums) -> Floats:
-    """Return the loads (mN) of the study, or a few loads in the range of the result if the study lists no loads.
+    """Return the loads (mN) of the study or, if the study lists no loads, a few loads in the range of the result.
 
     Raises a `ValueError` if there is no contact.
     """
@@ -53,19 +53,19 @@ def has_only_negligible_loads(result: MemberSums) -> bool:
 
 
 def replace_zero_load(result: MemberSums, loads: Floats) -> Floats:
-    """Return distinct loads (mN) in ascending order, in which a negligible load replaces 0 for adhesive bodies."""
+    """Return the loads (mN) sorted and without duplicates. For adhesive bodies, a negligible load replaces 0."""
     if result.study.contact.adheres and 0 in loads:
         loads = np.where(loads == 0, result.compute_once(find_negligible_load), loads)
     return np.unique(loads)
 
 
 def find_negligible_load(result: MemberSums) -> float:
-    """Return a load (mN) that is negligible relative to the pull-off force: if possible, the smallest loading step."""
+    """Return a load (mN) that is negligible against the pull-off force: if possible, the smallest loading step."""
     negligible_load = NEGLIGIBLE_LOAD_RATIO * min(_average_pull_off_by_piece(result))
     smallest_step = float(result.study.contact.loading_steps()[0])
     return smallest_step if smallest_step < negligible_load else 0.1 * negligible_load
 
 
 def _average_pull_off_by_piece(result: MemberSums) -> list[float]:
-    """Return the mean pull-off force (mN) of each group of members in a result."""
+    """Return the mean pull-off force (mN) of each group of members that is read into memory together."""
     return [float(np.nanmean(piece["pull_off"].values)) for piece in result.pieces(["pull_off"])]

@@ -33,11 +33,11 @@ if TYPE_CHECKING:
     import xarray
 
 DatasetTransformation: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
-# Maximum number of points of load curves that are in memory at the same time for one result cell.
+# Maximum number of points of load curves of one result cell that are in memory at the same time.
 MAX_VALUES_IN_MEMORY = 2**18
-# Each combination of these dimensions is a cell of a result, which has one roughness or one cutoff.
+# Dimensions whose combinations are the cells of a result. Each cell has one roughness or one cutoff.
 MAP_CELL_DIMENSION_NAMES = ("fractal_dimension", "amplitude", "cut_off")
-# Only results for several sliding rules or directions have these dimensions.
+# Dimensions that only results for several sliding rules or directions have.
 MOTION_DIMENSION_NAMES = ("sliding", "direction")
 _LOAD_VARIABLES = ("contact_count", *friction.LOAD_SUM_NAMES[:3])
 
@@ -218,7 +218,7 @@ def find_cell_dimensions(dataset: xarray.Dataset) -> list[str]:
 
 
 def move_repetitions_last(variable: xarray.Variable, dims: Sequence[str]) -> NDArray[Any]:
-    """Return the values of a variable with the repetitions on the last axis.
+    """Return the values of a variable as a contiguous array, with the repetitions on the last axis.
 
     The array is contiguous, so that sums are fast.
     """
@@ -228,7 +228,7 @@ def move_repetitions_last(variable: xarray.Variable, dims: Sequence[str]) -> NDA
 def iterate_solved_pieces(
     result: MemberSums, names: Iterable[str] | None = None, transform: DatasetTransformation | None = None
 ) -> Iterator[xarray.Dataset]:
-    """Yield groups of the members for which the solver succeeded at all loads."""
+    """Yield groups of members, without the members for which the solver failed at a load."""
     for piece in iterate_pieces_with_true_areas(result, names):
         elastic_loads = piece.variables["normal_elastic"]
         is_solved = np.isfinite(
@@ -274,7 +274,7 @@ def evaluate_ensemble_quantities(
         dataset if transform is None else transform(dataset), names, load_values, *strengths, includes_ratios
     )
     # The first pass over the members finds the loading steps at which mean loads reach the requested loads.
-    # The second pass computes the intervals at these loading steps.
+    # The second pass over the members computes the intervals at the loading steps that the first pass found.
     averages, ratio_operands, count = _average_sums(
         iterate_solved_pieces(result, quantities.required_variables(), transform),
         names,
@@ -304,13 +304,12 @@ def evaluate_ensemble_quantities(
                     means_by_cell[cell_index].add_repetitions(normal_load, values)
 
             list(pool.map(add_members_to_cell, cells, itertools.repeat(piece_sums)))
-            # The memory is released before the next piece is read.
             del piece, piece_sums
         return quantities.build_datasets(means_by_cell, averages, ratio_operands, pool)
 
 
 class _EnsembleQuantities:
-    """Ensemble means of quantities at given loads (mN), for all combinations of mu0 and tau0 (GPa)."""
+    """Ensemble means of quantities at given mean normal loads (mN), for all combinations of mu0 and tau0 (GPa)."""
 
     def __init__(
         self, head: xarray.Dataset, names: Sequence[str], loads: Floats, mu0: Floats, tau0: Floats,
@@ -335,7 +334,7 @@ class _EnsembleQuantities:
     def compute_curves(
         self, cell: tuple[int, ...], sums: Sequence[ContactSums], selected_members: slice = slice(None)
     ) -> list[Floats]:
-        """Return normal load (mN) and each quantity at all loading steps, for selected members of one result cell.
+        """Return normal load (mN) and quantities at each loading step, for selected members of one result cell.
 
         `cell` indexes sliding rule, direction and surfaces, and `sums` comes from `_compute_sums`. The first axis of
         each array runs over all pairs of mu0 and tau0.
@@ -365,13 +364,13 @@ class _EnsembleQuantities:
         status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
 
         def evaluate_cell(cell: tuple[int, ...], means: intervals.MeansAtLoads) -> dict[str, NDArray[Any]]:
-            """Store means, intervals and statuses of one result cell, and return its ratios of contact sums."""
+            """Store means, intervals and statuses of a result cell, and return the ratios of its contact sums."""
             for index, statistics in enumerate(estimates):
                 for array, curve_values in zip(statistics, (means.mean(index), *means.interval(index)), strict=True):
                     array[cell] = _reshape_curves(curve_values, self.shape)
             cell_averages = averages[0].apply(operator.itemgetter((*cell, slice(None), 0)))
             normal_load = self.compute_curves(cell, averages)[0][..., 0]
-            # Friction locks the bodies if the normal load is not positive even at the largest approach.
+            # Friction locks the bodies together if the normal load is not positive even at the largest approach.
             is_locked = (cell_averages.contact_count[-1] > 0) & (normal_load[:, -1:] <= 0)
             cell_status = friction.choose_statuses(
                 touched=bool(cell_averages.contact_count.any()), reached=means.crossing.reached,
@@ -436,7 +435,7 @@ def _reshape_curves(curve_table: NDArray[Any], shape: tuple[int, ...]) -> NDArra
 
 
 def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension: str) -> list[ContactSums]:
-    """Return the contact sums of all members, followed by the sums from which each named quantity is computed.
+    """Return all contact sums of the members, followed by the sums from which each named quantity is computed.
 
     The first axes of each sum are sliding rule and direction. If a quantity is stored directly, it replaces the area in
     the returned sums.
@@ -466,7 +465,7 @@ def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension:
 
 
 def _get_values_or_nan(dataset: xarray.Dataset, name: str, step_dimension: str) -> NDArray[Any]:
-    """Return a variable with axes for motion, cell, step and repetition, or NaN if the dataset lacks the variable."""
+    """Return a variable as an array (motion, cell, step, repetition), filled with NaN if the variable is missing."""
     dims = [
         *(motion for motion in MOTION_DIMENSION_NAMES if motion in dataset.dims),
         *find_cell_dimensions(dataset),
@@ -511,17 +510,13 @@ def _average_sums(
         ] if total_sums else piece_sums  # fmt: skip
         for name in operand_names:
             total_operands[name] = total_operands[name] + _get_values_or_nan(piece, name, step_dimension).sum(axis=-1)
-        # The memory is released before the next piece is read.
         del piece
     averages = [total.apply(lambda values: values / max(count, 1)) for total in total_sums]
     return averages, {name: values / max(count, 1) for name, values in total_operands.items()}, count
 
 
 def choose_mu0_and_tau0(result: MemberSums, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
-    """Return mu0 and tau0 (GPa) as arrays.
-
-    They default to mu0 and tau0 of the study.
-    """
+    """Return mu0 and tau0 (GPa) as arrays: the given numbers or, by default, the numbers of the study."""
     if mu0 is None or tau0 is None or "study" in result.head.attrs:
         study = result.study
         mu0 = study.friction.mu0 if mu0 is None else mu0

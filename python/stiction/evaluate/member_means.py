@@ -1,4 +1,4 @@
-"""Means of quantities over the members, with their intervals and statuses."""
+"""Means of friction and contact quantities over the members of a result, with intervals and statuses."""
 
 from __future__ import annotations
 
@@ -98,8 +98,8 @@ def average_members(
         _remove_negative_means(directional_means, is_downhill),
         attributes,
     )
-    # A mean over directions has no meaning if the body slides by itself in one direction.
-    # An exception is mu0 = tau0 = 0, where the coefficients of opposite directions cancel to a mean of 0.
+    # A mean over directions has no meaning if the slider slides downhill by itself in one direction.
+    # For mu0 = tau0 = 0, the mean is kept, because the coefficients of opposite directions cancel to a mean of 0.
     has_strength = np.add.outer(members["mu0"].values, members["tau0"].values) > 0
     counts_as_downhill = is_downhill & ~(directional_means[..., 2] >= 0) & has_strength
 
@@ -191,7 +191,7 @@ def _average_compliances(
     get_stiffnesses: Callable[[xarray.Dataset], Floats],
     mean_stiffnesses: Floats,
 ) -> Floats:
-    """Return the inverse of the members' mean compliance, which is the stiffness dF/dδ at the mean displacement.
+    """Return the stiffness dF/dδ at the mean displacement: the inverse of the mean compliance over members.
 
     Where the mean compliance is not above 0, because contacts disappear as the load grows, the mean stiffness remains.
     """
@@ -261,9 +261,10 @@ def include_interpolation_error(
 
 
 def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
-    """Return one status for all members (first axis): a status with a coefficient if possible, or the most frequent.
+    """Combine the statuses of all members (first axis) in one status.
 
-    The statuses with a coefficient are "ok" and "bulk-shear", for a lower limit.
+    The combined status has a coefficient if the status of any member has one. Otherwise, it is the most frequent
+    status. The statuses with a coefficient are "ok" and "bulk-shear", whose coefficient is a lower limit.
     """
     status_counts = np.stack([(statuses == status).sum(axis=0) for status in STATUSES])
     most_frequent_statuses = np.array(STATUSES, STATUS_DTYPE)[status_counts.argmax(axis=0)]
@@ -275,7 +276,7 @@ def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
 
 
 def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
-    """Return the contact status for each true area fraction, and the area fractions limited to at most 1.
+    """Return the contact status for each true area fraction, and the fractions without values above 1.
 
     Half-space fractions above 1 become 1. In the asperity model, they become NaN. The fractions have the shape (...,
     3).
@@ -291,7 +292,7 @@ def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tupl
 
 
 def _remove_negative_means(means: Floats, is_removed: NDArray[np.bool_]) -> Floats:
-    """Replace masked means and their limits by NaN. Replace negative means, which are round-off, by 0.
+    """Replace means and limits by NaN where `is_removed` is true, and other negative means (round-off) by 0.
 
     The last axis contains mean, lower limit and upper limit.
     """
@@ -301,7 +302,7 @@ def _remove_negative_means(means: Floats, is_removed: NDArray[np.bool_]) -> Floa
 
 
 def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Dataset) -> Floats:
-    """Replace round-off by 0 in mean coefficients for mu0 = tau0 = 0, where opposite directions cancel.
+    """Set mean coefficients to 0 if mu0 = tau0 = 0 and the coefficients are not larger than round-off.
 
     The means have the dimensions (*dims, statistic). Without interface strength, the contributions of opposite
     directions cancel except for round-off, which would have a random sign.
@@ -367,7 +368,7 @@ class MemberDependence:
         if self.order is None or self.lines is None:
             return np.stack(intervals.average_independent_values(values), axis=-1)
         flat_values = values[self.order].reshape(values.shape[0], -1)
-        # Columns in which the same members are missing are evaluated together. Most columns miss no member.
+        # Columns in which the same members are missing are evaluated together. In most columns, no member is missing.
         is_finite = np.isfinite(flat_values)
         is_incomplete = ~is_finite.all(axis=0)
         masks, mask_indices = [np.ones(len(flat_values), bool)], np.zeros(flat_values.shape[1], np.intp)
@@ -385,7 +386,7 @@ class MemberDependence:
 
 
 def _compute_mean_and_interval(values: Floats, scan_mean: intervals.ScanPairMean | None) -> tuple[float, float, float]:
-    """Return the mean over pairs of scans and its interval limits, which are positive unless a value is negative."""
+    """Return the mean over pairs of scans with its interval limits, which are positive unless a value is negative."""
     if scan_mean is None:
         finite_values = values[np.isfinite(values)]
         return float(finite_values.mean()) if finite_values.size else np.nan, np.nan, np.nan

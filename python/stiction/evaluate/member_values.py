@@ -109,7 +109,7 @@ def evaluate_members(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, load_definition: LoadDefinition = "elastic",
     member_kind: MemberKind | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate each member of a result at given loads, at the onset of sliding.
+    """Evaluate friction and contact quantities of each member of a result at given loads, at the onset of sliding.
 
     For a measured study, the dataset at the study's elastic loads, mu0 and tau0 is evaluated only once for each result.
     """
@@ -192,7 +192,10 @@ def interpolate_member_sums(
 
 
 def estimate_area_error(adhesive_sums: Floats) -> float:
-    """Return the relative standard error of the mean true area, from one adhesive sum per member; 0 for one member."""
+    """Return the relative standard error of the mean true area, estimated from the members' adhesive sums.
+
+    The error is 0 for a single member.
+    """
     count = len(adhesive_sums)
     return float(adhesive_sums.std(ddof=1) / adhesive_sums.mean() / math.sqrt(count)) if count > 1 else 0.0
 
@@ -292,7 +295,7 @@ def _evaluate_piece(
 
 @dataclass(frozen=True, eq=False)
 class _MemberForces:
-    """Loads (mN) of members at the onset of sliding, and masks of requested loads that are reached or too low.
+    """Loads (mN) of members at the onset of sliding, with masks of reached loads and of loads below the first step.
 
     The arrays have the shape (..., sliding, direction, load, mu0, tau0), or a shape that broadcasts to it.
     """
@@ -318,7 +321,7 @@ class _MemberForces:
         cls, sums_at_steps: Mapping[str, Floats], loads: Floats, law: FrictionLaw, *, interpolates_ratio: bool
     ) -> _MemberForces:
         """Interpolate normal and tangential loads of members at given normal loads (mN)."""
-        # The loading steps become the last axis, along which loads are interpolated.
+        # The axis of loading steps is moved to the end, because loads are interpolated along the last axis.
         normal_load, tangential_load = (np.moveaxis(array, -3, -1) for array in _compute_loads(sums_at_steps, law))
         normal_load = np.broadcast_to(normal_load, tangential_load.shape)
         with np.errstate(invalid="ignore"):
@@ -345,7 +348,7 @@ def _grow_contacts(
     forces: _MemberForces, status: NDArray[Any], law: FrictionLaw, sums: Mapping[str, Floats], area_growth: Floats,
     fraction: Floats,
 ) -> tuple[_MemberForces, NDArray[Any]]:  # fmt: skip
-    """Return loads and statuses of members after contacts have grown, or have lost area, under shear.
+    """Return loads and statuses of members after shear has changed the contact area.
 
     The friction force is also reduced if the softer body shears. `sums` are the contact sums at the loads, which mu0
     and tau0 multiply. `area_growth` and `fraction` come from `compute_onset_area_and_friction_factors`.
@@ -368,7 +371,7 @@ def _grow_contacts(
 def _compute_opposing_fraction(
     piece: xarray.Dataset, member_dims: tuple[str, ...], contact_sums: Mapping[str, Floats]
 ) -> dict[str, Any]:
-    """Return the load fraction on contacts that oppose the motion, by name; empty with a single sliding rule."""
+    """Return a dictionary with the load fraction on contacts that oppose the motion; empty for one sliding rule."""
     rules = piece["sliding"].values.tolist() if "sliding" in piece.dims else []
     if not {"opposing", "all"} <= set(rules):
         return {}
@@ -377,7 +380,7 @@ def _compute_opposing_fraction(
         for rule in ("opposing", "all")
     )
     with np.errstate(divide="ignore", invalid="ignore"):
-        # To first order in the slopes, the denominator Σ F |t·s| equals the load.
+        # The denominator Σ F |t·s| of the fraction equals the load to first order in the slopes.
         fraction = opposing_load / total_load
     return {"share_opposing": ((*member_dims, "direction", "load"), fraction, quantity_attributes("share_opposing"))}
 
@@ -385,7 +388,7 @@ def _compute_opposing_fraction(
 def _interpolate_quantities(
     piece: xarray.Dataset, member_dims: tuple[str, ...], load_crossings: LoadCrossings, names: Collection[str] | None
 ) -> dict[str, Any]:
-    """Interpolate the requested quantities and the elastic load at the requested loads, and return them by name."""
+    """Return the requested quantities and the elastic load by name, interpolated at the requested loads."""
     step_dimension, variables = find_step_dimension(piece), {}
     for name in (*INTERPOLATED_QUANTITIES, *DISTRIBUTION_QUANTITIES):
         if name not in piece.variables or not (name == "normal_elastic" or is_requested(name, names)):
@@ -417,7 +420,7 @@ def find_tangential_stiffness_ratio(study: Study) -> float:
 
 
 def has_grooves(study: Study) -> bool:
-    """Return whether the pressed profiles represent grooved surfaces rather than isotropic surfaces."""
+    """Return whether pressed profiles represent surfaces with parallel grooves instead of isotropic surfaces."""
     if study.is_areal:
         return False
     contact: Any = study.contact
@@ -482,8 +485,8 @@ def _interpolate_displacements_and_stiffnesses(
 
 
 def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law: FrictionLaw) -> dict[str, Any]:
-    """Return variables over members: pull-off force, 1 for a lower bound of this force, and friction at zero load."""
-    # The value is 1 if a member's pull-off force is only a lower bound, and 0 otherwise.
+    """Return for each member the pull-off force, 1 if it is only a lower bound (else 0), and friction at zero load."""
+    # `is_bound` is 1 if the pull-off force of a member is only a lower bound, and 0 otherwise.
     is_bound = (_to_float_array(piece.variables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
     zero_load_sums = {
         name: _to_float_array(piece.variables[name], (*member_dims, *MOTION_DIMENSION_NAMES), missing=True)[
@@ -492,7 +495,7 @@ def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law:
         for name in ZERO_LOAD_SUM_QUANTITIES
     }
     direction_axis = len(member_dims) + 1
-    # In the model, adhesive contacts do not grow under shear.
+    # In the model, adhesive contacts do not grow under shear, so only the loss of contact area is applied.
     tangential = law.load("unloaded", zero_load_sums, 1 - law.area_loss).mean(axis=direction_axis)
     pull_off = _to_float_array(piece.variables["pull_off"], member_dims)[..., None, None, None]
     tangential = np.where(abs(tangential) <= MAX_RELATIVE_ROUND_OFF * pull_off, 0.0, tangential)
@@ -554,7 +557,7 @@ def _find_load_crossings(
 
 
 def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
-    """Return coordinates for sliding rule and direction, for results that lack these dimensions."""
+    """Return the coordinates of sliding rule and direction that the result lacks as dimensions."""
     coordinate_values = {
         "sliding": list(study.contact.sliding_rules()),
         "direction": list(study.contact.direction_angles()),
@@ -567,7 +570,7 @@ def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict
 
 
 def _replace_sums_by_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
-    """Add ratios of contact sums to the variables, and remove the sums that only serve to compute ratios."""
+    """Add ratios of contact sums to the variables, and remove sums that serve only to compute ratios."""
     dims, elastic = variables["normal_elastic"][:2]
     if nominal_area is not None and "pull_off" in variables:
         pull_off = variables["pull_off"]
@@ -584,7 +587,7 @@ def _replace_sums_by_ratios(variables: dict[str, Any], nominal_area: Any) -> dic
 
 
 def _to_float_array(array: xarray.Variable, dims: tuple[str, ...], *, missing: bool = False) -> Floats:
-    """Return a variable as an array of floats, with its dimensions in the given order.
+    """Return a variable as an array of floats, with the dimensions in the given order.
 
     If `missing` is true, missing dimensions are added with the length 1.
     """

@@ -1,4 +1,4 @@
-"""Result point: the quantities of a result at one load, mu0 and tau0, for one cell (a roughness or a cutoff)."""
+"""Result point: quantities of a result at one load, mu0 and tau0, for one cell (one roughness or one cutoff)."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ NEGLIGIBLE_LOAD_RATIO = 0.01
 
 @dataclass(frozen=True)
 class SlidingRuleCoefficient(Estimate):
-    """Static friction coefficient at one result point under one sliding rule: mean over directions, and intervals.
+    """Static friction coefficient at one result point under one sliding rule: mean over directions, with intervals.
 
     If there is no combined interval, the limits are the interval of the mean.
     """
@@ -38,7 +38,7 @@ class SlidingRuleCoefficient(Estimate):
     _: KW_ONLY
     # Sliding rule, that is, the contacts at which friction acts: "all" or "opposing".
     rule: str
-    # "ok", or the status of a direction without a coefficient.
+    # Status of the coefficient: "ok", or the status of a direction without a coefficient.
     status: str = STATUS_OK
     # Interval of the mean coefficient over positions.
     interval_of_mean: Interval = UNKNOWN_INTERVAL
@@ -48,7 +48,7 @@ class SlidingRuleCoefficient(Estimate):
     low: float = math.nan
     # 90 % quantile of the coefficients of single members.
     high: float = math.nan
-    # Small-slope estimate of the coefficient (`gentle_friction`). It is NaN for generated bodies.
+    # Small-slope estimate of the coefficient (`gentle_friction`), or NaN for generated bodies.
     slopes: float = math.nan
     # True if the asperity model is invalid for contacts that carry more than half of the load.
     is_outside_asperity_model: bool = False
@@ -79,7 +79,7 @@ def iterate_points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
 
 
 def read_number(point: xarray.Dataset, name: str) -> float:
-    """Return a number of a result point that has no interval, such as its load (mN)."""
+    """Return a number without an interval at a result point, such as the load (mN)."""
     # Reading the variable is much faster than reading an `xarray.DataArray`.
     return float(point.variables[name].values)
 
@@ -150,14 +150,14 @@ class PointQuantities:
     """
 
     estimates: dict[str, Estimate]
-    # Quantities of a result that have no interval.
+    # Quantities of a result point that have no interval, by name.
     numbers: dict[str, float]
-    # Quantiles of each distribution, by their probability.
+    # Quantiles of each distribution. The keys are the name of the distribution and the probability of the quantile.
     distributions: dict[str, dict[float, Estimate]]
 
 
 def read_point_quantities(point: xarray.Dataset, rule: str) -> PointQuantities:
-    """Return all quantities at a result point that do not vary with the direction, under one sliding rule.
+    """Return all quantities at a result point that do not depend on the direction, under one sliding rule.
 
     Selections from an `xarray.Variable` are much faster than selections from an `xarray.DataArray`.
     """
@@ -183,7 +183,7 @@ def read_point_quantities(point: xarray.Dataset, rule: str) -> PointQuantities:
 
 
 def mean_over_directions(point: xarray.Dataset, name: str) -> float:
-    """Return a quantity at a result point, averaged over all directions.
+    """Return a quantity at a result point as the mean over all directions of motion.
 
     Returns NaN if the quantity is missing.
     """
@@ -200,7 +200,7 @@ def mean_over_directions(point: xarray.Dataset, name: str) -> float:
 
 
 def find_contact_status(point: xarray.Dataset, study: Study) -> str:
-    """Return the status of the true area at a result point: "ok", "complete", or "above-nominal" for asperities."""
+    """Return the status of the true area at a result point: "ok", "complete" or, for asperities, "above-nominal"."""
     if "contact_status" in point:
         return str(point["contact_status"].values)
     is_above_nominal = mean_over_directions(point, "contact_area_fraction") > 1
@@ -215,12 +215,10 @@ def mean_contact_pressure(point: xarray.Dataset) -> float:
 
 
 def list_rules_with_reported_first(study: Study) -> list[str]:
-    """Return the sliding rules of a study.
+    """Return the sliding rules of a study, with the reported rule first.
 
-    The reported rule is the first.
-
-    With an interface, the reported rule is the rule under which mu0 and tau0 were fitted. For generated bodies, it is
-    the first rule of the study.
+    With an interface, the reported rule is the rule under which mu0 and tau0 were fitted. For generated bodies, the
+    reported rule is the first rule of the study.
     """
     rules = SLIDING_RULE_ORDER if study.is_measured else study.contact.sliding_rules()
     fitted_rule = None if study.friction.interface is None else study.friction.interface.fitted_rule
@@ -228,7 +226,7 @@ def list_rules_with_reported_first(study: Study) -> list[str]:
 
 
 def sort_sliding_rules(table: Any, study: Study) -> Any:
-    """Return the table of measured bodies with the reported sliding rule first.
+    """Sort a table of measured bodies by sliding rule, with the reported rule first.
 
     Other tables are returned unchanged.
     """
@@ -253,7 +251,7 @@ def nominal_pressure_at(point: xarray.Dataset, study: Study) -> float:
 
 
 def get_contact_law_name(study: Study) -> str:
-    """Return the name of the contact law in lower case, or "" in the half-space model."""
+    """Return the name of the contact law in lower case, or "" for the half-space model, which has no contact law."""
     return str(study.contact.law or "").lower()
 
 
@@ -269,7 +267,7 @@ def effective_modulus_at(point: xarray.Dataset, study: Study) -> float:
 
 
 def get_adhesion_ranges(point: xarray.Dataset, study: Study) -> tuple[float, float]:
-    """Return two ranges of the attraction (µm): the range that the study gives, and the range that was computed.
+    """Return the range of the attraction (µm) that the study specifies, and the range used in the computation.
 
     The range of the computation is larger if the grid does not resolve the range of the study.
     """
@@ -309,7 +307,7 @@ def get_contact_hardness(point: xarray.Dataset, study: Study) -> float:
 
 
 def compute_plastic_friction(point: xarray.Dataset, study: Study) -> float | None:
-    """Return the coefficient for friction at all contacts if all of them yielded.
+    """Return the friction coefficient that the pair would have if all contacts yielded and had friction.
 
     Returns None if contacts cannot yield.
 
@@ -324,7 +322,7 @@ def compute_plastic_friction(point: xarray.Dataset, study: Study) -> float | Non
 
 
 def is_stronger_than_body(point: xarray.Dataset, study: Study) -> bool:
-    """Return whether the softer body shears before the interface of yielding contacts slides."""
+    """Return whether, at a result point, the softer body shears before the yielding contacts slide."""
     if study.contact.hardness is None:
         return False
     law = Inputs.from_study(study).friction_law(read_number(point, "mu0"), read_number(point, "tau0"))

@@ -1,4 +1,4 @@
-"""Response of a contact to its uncertain inputs: E*, hardness, μ0, τ0 and the inputs that describe yielding.
+"""Response of a contact to uncertain inputs: E*, hardness, μ0, τ0, and the inputs that describe yielding.
 
 One solution at the inputs of the study gives the quantities at all other inputs. Forces are linear in μ0 and τ0, and
 the true area is an `AreaFunction`.
@@ -30,7 +30,7 @@ yielded fraction of the area. For hardnesses from half to double and E* within 2
 
 @dataclass(frozen=True, kw_only=True)
 class InputValues:
-    """Inputs of a contact, such as hardness, mu0 and tau0.
+    """Values or samples of a contact's inputs, such as hardness, mu0 and tau0.
 
     Each is a number or an array of samples.
 
@@ -71,7 +71,7 @@ class InputValues:
 
     @property
     def law(self) -> FrictionLaw:
-        """Friction law with the mu0, tau0, junction growth and area loss of these inputs."""
+        """Friction law with the mu0, tau0, junction growth and area loss among the inputs."""
         return FrictionLaw(self.mu0, self.tau0, self.junction_growth, self.uses_slip_lines, self.area_loss)
 
 
@@ -107,9 +107,9 @@ class ClosureCurve:
         return loading, unloading
 
     def scale_stiffness(self, ratios: Floats) -> Floats:
-        """Return closures (µm) for a closure stiffness that is multiplied by a given ratio at each computed load.
+        """Return the closures (µm) for a closure stiffness that is multiplied by `ratios` at the computed loads.
 
-        The arrays have the shape (l, ...). The closure is the integral of the load over the stiffness.
+        The arrays have the shape (l, ...). The closure is the integral of 1/stiffness over the load.
         """
         compliances = 1 / ratios
         means = (compliances[1:] + compliances[:-1]) / 2
@@ -117,7 +117,7 @@ class ClosureCurve:
         return np.cumsum(np.concatenate([self.closures[:1] * compliances[:1], steps]), axis=0)
 
     def interpolate(self, closures: Floats, load: Floats) -> Floats:
-        """Interpolate closures at given loads (mN) by power laws, which also extrapolate beyond the computed loads."""
+        """Interpolate closures at given loads (mN) by power laws, which also extrapolate to other loads."""
         log_loads, logs = np.log(self.loads), np.log(closures)
         index = np.clip(np.searchsorted(self.loads, load), 1, self.loads.size - 1)
         below, above = (
@@ -156,7 +156,7 @@ def build_closure_curves(result: MemberSums) -> list[ClosureCurve | None]:
 
 
 class AreasBeforeShear(NamedTuple):
-    """True areas (µm²) of contacts before shear: without yielding (elastic) and with yielding (true)."""
+    """True areas (µm²) of contacts before shear: `elastic` for contacts that do not yield, `true` with yielding."""
 
     elastic: Floats
     true: Floats
@@ -164,7 +164,7 @@ class AreasBeforeShear(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class ResponseValues:
-    """Quantities of a contact that follow from given inputs, as arrays of equal shape.
+    """Quantities of a contact computed for given inputs, as arrays of equal shape.
 
     Attributes
     ----------
@@ -187,7 +187,7 @@ class ResponseValues:
     plastic_friction: Floats
 
     def select_sample(self, *indices: int) -> ResponseValues:
-        """Return the quantities for a single sample of the inputs, selected by its indices."""
+        """Return the quantities for one sample of the inputs, selected by the indices of the sample."""
         shape = np.shape(self.friction_coefficient)
         return ResponseValues(**{name: np.broadcast_to(array, shape)[indices] for name, array in vars(self).items()})
 
@@ -239,7 +239,7 @@ class ContactResponseToInputs:
     def evaluate(
         self, inputs: InputValues, known_areas: AreasBeforeShear | None = None, known_pressure: Any = None
     ) -> ResponseValues:
-        """Return all quantities of the contact that follow from given inputs.
+        """Return all quantities of the contact for given inputs.
 
         `known_areas` and `known_pressure` are the areas before shear and the yield pressure, if computed before.
         """
@@ -304,7 +304,7 @@ class ContactResponseToInputs:
         return force / central_force if central_force != 0 else np.ones_like(area_ratio)
 
     def closures_at_computed_loads(self, inputs: InputValues) -> Floats:
-        """Return the closures (µm) at all computed loads for given inputs, between which `closure_ratio` interpolates.
+        """Return the closures (µm) at all computed loads for given inputs.
 
         E* and the heights are those of the study. The hardness is divided by their changes instead.
         """
@@ -320,7 +320,7 @@ class ContactResponseToInputs:
         return self.closure_curve.scale_stiffness(np.stack(ratios))
 
     def closure_ratio(self, inputs: InputValues, closures: Floats) -> Floats:
-        """Return the closure at the load for given inputs, divided by the closure for the central inputs.
+        """Return the closure for given inputs, divided by the closure for the central inputs, at the contact's load.
 
         By similarity, the closure is the height factor times the closure at the load divided by the change of E* and
         heights. `closures` comes from `closures_at_computed_loads`.
@@ -335,5 +335,5 @@ class ContactResponseToInputs:
         return np.asarray(inputs.height_factor * closure / central_closure)
 
     def at_central_inputs(self, **changes: Any) -> ResponseValues:
-        """Return all quantities of the contact at the central inputs, except that `changes` replaces some inputs."""
+        """Return all quantities of the contact for the central inputs with the given `changes`."""
         return self.evaluate(replace(self.central, **changes))

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 # Minimum number of input samples, even for many displacements.
 MIN_INPUT_SAMPLES = 2**10
-# The product of the numbers of samples and displacements is limited, because it determines the memory.
+# The product of the numbers of samples and displacements is limited, because it determines the required memory.
 MAX_CURVE_VALUE_COUNT = 2**21
 CONTACT_INPUTS = ("hardness", "effective_modulus")
 """Names of the inputs that change the contacts themselves, so that the shear test is repeated at their limits."""
@@ -43,13 +43,13 @@ CURVE_NAMES = ("friction_coefficient", "shear_stress", "dilation")
 SHEAR_INTERVAL_ATTRIBUTES = ("peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa", "end")
 """Names of the dataset attributes of a shear test that have an interval."""
 
-# Array of each quantity, with samples or strips on the first axis.
+# Arrays by the name of the quantity. The first axis contains random samples of the inputs, or strips of the faces.
 _Samples = dict[str, Floats]
 
 
 @dataclass(frozen=True)
 class ShearInputSamples:
-    """Samples of the inputs of a shear test: n values of each input.
+    """Samples of the inputs of a shear test, with n numbers for each input.
 
     `contact_inputs` contains the uncertain inputs among `CONTACT_INPUTS`, relative to their central values.
     `probabilities` are cumulative probabilities of another quantity, which is independent of the inputs. `coverage` is
@@ -64,7 +64,7 @@ class ShearInputSamples:
 
 
 def _generate_sample_points(dimensions: int, num_displacements: int) -> Floats:
-    """Return points of a Sobol sequence, one per sample; many displacements reduce the number of samples."""
+    """Return points of a Sobol sequence, one per sample. The more displacements, the fewer samples are used."""
     count = min(NUM_INPUT_SAMPLES, 2 ** int(math.log2(MAX_CURVE_VALUE_COUNT / num_displacements)))
     return generate_sobol_points(dimensions, max(count, MIN_INPUT_SAMPLES), seed=2016)
 
@@ -111,19 +111,19 @@ def draw_shear_samples(
 
 @dataclass(frozen=True)
 class ContactVariation:
-    """Lower or upper limit of an input that changes the contacts, relative to the central value of the input."""
+    """Lower or upper limit of a contact input, such as the hardness, relative to the central value of the input."""
 
     name: str
     ratio: float
 
     def apply_to(self, box: ShearBox) -> ShearBox:
-        """Return the shear test with the input set to this limit."""
+        """Return a copy of a shear test in which the named input is its central value times `ratio`."""
         changes: Any = {self.name: getattr(box, self.name) * self.ratio}
         return replace(box, **changes)
 
 
 def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariation]:
-    """Return a variation of the shear test for each limit of each uncertain input that changes the contacts."""
+    """Return two variations of the shear test, at the lower and the upper limit, per uncertain contact input."""
     if not samples:
         return []
     return [
@@ -135,7 +135,7 @@ def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariati
 
 
 class _SampledCurves:
-    """Curves of a shear test for samples of its inputs, derived from tests at the central inputs and at input limits.
+    """Curves of a shear test for samples of the inputs, interpolated from tests at central inputs and input limits.
 
     The curves are linear in the logarithm of the input. The effects of two inputs are added. `has_no_solution` is True
     for samples near a limit at which the contact has no solution, with the shape (samples, displacements). A sample is
@@ -155,7 +155,7 @@ class _SampledCurves:
             self.has_no_solution = self.has_no_solution | ((weight > MIN_WEIGHT_NEAR_LIMIT) & is_lost)
 
     def sample(self, get_curve: Callable[[xr.Dataset], Floats]) -> Floats:
-        """Return the curve that `get_curve` reads from a shear test, for each sample of the inputs (first axis).
+        """Return a curve of the shear test for each sample of the inputs; `get_curve` reads the curve from a dataset.
 
         Values are NaN for samples near a limit at which the curve is NaN.
         """
@@ -171,7 +171,7 @@ class _SampledCurves:
 def _sample_test(
     test: xr.Dataset, samples: ShearInputSamples, variations: Sequence[tuple[ContactVariation, xr.Dataset]]
 ) -> _Samples:
-    """Return the curves and peak values of a shear test for each sample.
+    """Return the curves and peak values of a shear test for each sample of the inputs.
 
     Coefficients are infinite where the faces lock, or where the contact has no solution.
     """
@@ -203,7 +203,7 @@ def _divide_values(test: xr.Dataset, name: str, divisor: str) -> Floats:
 
 
 def _summarize_samples(test: xr.Dataset, coefficient: Floats, stress: Floats, dilation: Floats) -> _Samples:
-    """Return curves and peak values of all samples.
+    """Return curves and peak values of a shear test for all samples of the inputs.
 
     A peak is the largest value among displacements with status "ok".
     """
@@ -228,7 +228,7 @@ class _StripMeanErrors:
     counts: _Samples
 
     def error_quantiles(self, name: str, shape: tuple[int, ...], probabilities: Floats) -> Floats:
-        """Return the quantiles of the error of a mean over strips at given probabilities (first axis).
+        """Return quantiles of the error of a mean over strips, one quantile per probability along the first axis.
 
         The error has Student's t distribution. Quantiles are NaN if fewer than two strips have a solution.
         """
@@ -310,7 +310,7 @@ def add_shear_intervals(
 
 
 def _open_lower_limits(test: xr.Dataset, limits: Mapping[str, Floats], varied_tests: Sequence[xr.Dataset]) -> None:
-    """Set lower limits of friction to 0, in place, where the test at a limit of an input has no solution.
+    """Set lower limits of friction to 0, in place, where a test with an input at its limit has no solution.
 
     If the faces lock at the limit of the input, lower limits are unchanged, because locking only raises the friction.
     """
@@ -326,7 +326,7 @@ def _open_lower_limits(test: xr.Dataset, limits: Mapping[str, Floats], varied_te
 
 
 def _compute_interval_limits(values: Floats, coverage: float) -> Floats:
-    """Return the limits of the interval of samples, which lie along the first axis, with a given coverage.
+    """Return the interval that contains the fraction `coverage` of samples, which lie along the first axis.
 
     Returns NaN if a sample is NaN.
     """
@@ -339,7 +339,7 @@ def _compute_interval_limits(values: Floats, coverage: float) -> Floats:
 
 
 def _extend_to_value(name: str, value: Floats, limits: Sequence[Floats]) -> Floats:
-    """Widen limits so that they enclose the computed value, and raise negative limits to 0 except for dilation."""
+    """Widen limits to enclose the computed value, and replace negative limits by 0, except limits of the dilation."""
     first_limits, *other_limits = limits
     extended_limits = extend_intervals(first_limits, *other_limits, np.stack([value, value], axis=-1))
     return extended_limits if "dilation" in name else np.maximum(extended_limits, 0.0)
