@@ -152,7 +152,7 @@ DERIVED_ELASTICITY_KEYS = ("effective_modulus", "compliance_share")
 
 
 def _repeat_single_value(value: Any) -> Any:
-    """Return a pair of values for the upper and the lower body, in which one value for both is repeated."""
+    """Convert one value for both bodies to a pair (upper, lower) of equal values, and leave a pair unchanged."""
     values = tuple(value) if isinstance(value, (list, tuple)) else (value,)
     return 2 * values if len(values) == 1 else values
 
@@ -163,7 +163,7 @@ PoissonRatios = Annotated[tuple[PoissonRatioEntry, PoissonRatioEntry], _repeat_f
 
 
 class OnsetSettings(SettingsSection):
-    """Section with mu0 and tau0 for the onset of sliding of generated surfaces, with friction at all contacts.
+    """Section with the mu0 and tau0 for which the onset of sliding of generated surfaces is computed.
 
     A result stores the onset of sliding for these parameters only.
     """
@@ -195,7 +195,7 @@ class CommonContactSettings(SettingsSectionVariant):
 
     @property
     def step_quantity(self) -> Literal["approach", "load"]:
-        """Quantity that is prescribed at each loading step: "approach" or "load"."""
+        """Name of the quantity that the study prescribes at each loading step: "approach" or "load"."""
         return "load"
 
     def loading_steps(self) -> Floats:
@@ -223,7 +223,7 @@ class CommonContactSettings(SettingsSectionVariant):
 
 
 class GeneratedSurfaceContactSettings(CommonContactSettings):
-    """Keys of the section `[contact]` for the motion of generated surfaces."""
+    """Keys of the section `[contact]` that describe how generated surfaces move over each other."""
 
     place: ClassVar[str] = "generated surfaces"
     materials: ClassVar[None] = None
@@ -263,7 +263,7 @@ class GeneratedSurfaceContactSettings(CommonContactSettings):
 
 
 class GeneratedSurfaceLoadSettings(GeneratedSurfaceContactSettings):
-    """Keys of the section `[contact]` for the loads on generated surfaces."""
+    """Keys of the section `[contact]` that list the loads on generated surfaces in the half-space model."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 
@@ -302,7 +302,7 @@ class ContactSettingsForMeasuredSurfaces(CommonContactSettings):
     @model_validator(mode="before")
     @classmethod
     def _derive_effective_modulus(cls, data: Any) -> Any:
-        """Compute E* and the compliance fraction of the lower body if the section contains Young's moduli."""
+        """Compute E*, and the lower body's fraction of the compliance, if the section contains Young's moduli."""
         if not isinstance(data, Mapping) or data.get("young") is None:
             return data
         for key in DERIVED_ELASTICITY_KEYS:
@@ -317,7 +317,7 @@ class ContactSettingsForMeasuredSurfaces(CommonContactSettings):
             )
             elasticity = derive_elasticity(young, poisson, is_named=data.get("materials") is not None)
         except (ValueError, IndexError):
-            # The error occurs if the moduli are invalid, which the validation of both keys reports.
+            # Invalid moduli are reported by the validation of the keys `young` and `poisson`.
             return data
         derived_elasticity: dict[str, Any] = {
             "effective_modulus": exact_quantity(elasticity.effective_modulus, "GPa"),
@@ -500,7 +500,7 @@ class AsperityModelSettings(CommonContactSettings):
     curvature: CurvatureSetting = "convex"
 
     def direction_arguments(self) -> dict[str, Any]:
-        """Return the arguments of `ContactModel` that set the direction of motion; empty for measured surfaces."""
+        """Return the `ContactModel` arguments that set the direction of motion; measured surfaces need none."""
         return {}
 
     def contact_model(self, sliding: SlidingRule | None = None) -> ContactModel:
@@ -639,7 +639,7 @@ SHARED_CONTACT_SETTINGS_CLASSES: tuple[type[CommonContactSettings], ...] = (
     AsperityModelSettings, AsperitySettingsForGeneratedSurfaces, ContactSettingsForMeasuredSurfaces,
     GeneratedSurfaceContactSettings, ContactSettingsForMeasuredMaps, HalfSpaceSettings, GeneratedSurfaceLoadSettings,
 )  # fmt: skip
-"""Base classes of `[contact]`. A message names such a class if a key belongs to other bodies or another model."""
+"""Base classes of sections `[contact]`, which messages name if a key is only valid for other bodies or models."""
 
 
 def select_contact_settings_class(
@@ -653,7 +653,7 @@ def select_contact_settings_class(
 def parse_contact_settings(
     value: Mapping[str, Any], surfaces: GeneratedSurfaceSettings | MeasuredSurfaceSettings
 ) -> ContactSettings:
-    """Parse a section `[contact]`, and check that it suits the surfaces."""
+    """Parse a section `[contact]`, and check that the section suits the kind of surfaces."""
     settings_class = select_contact_settings_class(type(surfaces), value)
     check_keys(value, settings_class, SHARED_CONTACT_SETTINGS_CLASSES)
     contact = settings_class.model_validate(value)
@@ -691,18 +691,18 @@ def parse_contact_settings(
 
 
 def _extend_loads(given_loads: Floats, margin: float, num_loads: int) -> Floats:
-    """Add a geometric progression of `num_loads` loads (mN) around the given loads.
+    """Add `num_loads` loads (mN) in geometric progression, which extend below and above the given loads.
 
     The progression begins below the smallest given load and ends above the largest, each by the factor `margin`.
     """
     load_series = np.geomspace(given_loads.min() / margin, given_loads.max() * margin, num_loads)
-    # A load of the series is left out if it nearly equals a requested load.
+    # A load of the geometric progression is left out if it nearly equals a given load.
     is_new_load = np.abs(load_series[:, np.newaxis] / given_loads - 1).min(axis=1) > 1e-6
     return np.unique(np.concatenate([given_loads, load_series[is_new_load]]))
 
 
 def _insert_intermediate_loads(given_loads: Floats) -> Floats:
-    """Insert loads (mN) until the ratio of successive loads is at most about `MAX_AREAL_LOAD_RATIO`."""
+    """Insert loads (mN) until the ratio of successive loads is at most `MAX_AREAL_LOAD_RATIO` (plus 1 %)."""
     given_loads = np.unique(given_loads)
     step_counts = np.ceil(np.log(given_loads[1:] / given_loads[:-1]) / np.log(1.01 * MAX_AREAL_LOAD_RATIO)).astype(int)
     loads_between = [
@@ -734,7 +734,7 @@ def choose_load_steps(
                 [_insert_intermediate_loads(given_loads), smaller_loads, [given_loads.max() * MAX_AREAL_LOAD_RATIO]]
             )
         )
-    # Additional loads are rounded to six digits, but requested loads stay unchanged.
+    # Inserted loads are rounded to six digits. Requested loads stay unchanged.
     requested_loads = set(given_loads.tolist())
     rounded_loads = np.array(
         [load if load in requested_loads else float(f"{load:.6g}") for load in load_steps.tolist()]

@@ -138,7 +138,7 @@ def _combine_moduli(upper: float, upper_ratio: float, lower: float, lower_ratio:
 
 
 def _combine_materials(upper: str, lower: str) -> PairElasticity:
-    """Return the elastic constants of a pair of materials, and the hardness of the softer material if it can yield."""
+    """Return the elastic constants of two materials, and the softer material's hardness if this material yields."""
     upper_body, lower_body = _load_material("upper_material", upper), _load_material("lower_material", lower)
     modulus = _round_to_three_digits(effective_modulus(upper_body, lower_body))
     softer_material = softest_material(upper_body, lower_body) or min(
@@ -162,7 +162,7 @@ def _combine_materials(upper: str, lower: str) -> PairElasticity:
 
 
 def _format_alias_note(name_pairs: Iterable[tuple[str, str]]) -> str:
-    """Return a note about materials given under alternative names, as in '"100Cr6" is taken as bearing steel'."""
+    """Return a note about alternative names of materials, as in '"100Cr6" is taken as bearing steel'."""
     aliases = [
         f'"{alternative}"{{}} as {name}'
         for alternative, name in name_pairs
@@ -216,5 +216,5 @@ def format_material_value(value: MaterialValue, unit: str = "", *, digits: int =
 
 
 def _round_to_three_digits(value: float) -> float:
-    """Round a number to three significant digits, the accuracy of material data."""
+    """Round a number to three significant digits, because data of materials are not more accurate."""
     return float(f"{value:.3g}")

@@ -56,14 +56,14 @@ AmplitudeDefinition = Annotated[
 ]
 
 
-# Largest number of directions times number of frequencies of generated surfaces, which determines the run time.
+# Maximum product of the numbers of directions and frequencies of generated surfaces, which determines the run time.
 MAX_HARMONICS = 1_000_000
 
 
 class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
     """Keys of `[surfaces]` that all generated surfaces have: fractal dimension and amplitude."""
 
-    # Error messages use these words for the two surfaces.
+    # Phrase for the two surfaces in error messages.
     bodies: ClassVar[str] = "generated areas"
     is_areal: ClassVar[bool] = True
     """True if the members are pairs of height maps, and False if they are pairs of profiles."""
@@ -110,7 +110,7 @@ class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
         return to_value_array(self.amplitude)
 
     def cell_coordinates(self) -> dict[str, Floats]:
-        """Return the fractal dimensions and amplitudes (µm) of the study, whose combinations are the study's cells."""
+        """Return the fractal dimensions and amplitudes (µm) of the study; each combination of both is a cell."""
         return {"fractal_dimension": self.fractal_dimensions(), "amplitude": self.amplitudes()}
 
 
@@ -236,7 +236,7 @@ class SelfAffineSettings(GeneratedMapSettings):
             "Distance between rows and between columns, instead of `extent`.",
         ),
     }
-    """Allowed values and descriptions of alternative keys, named like the arguments of `self_affine_surface`."""
+    """Allowed values and description of each alternative key; the keys are arguments of `self_affine_surface`."""
 
     @model_validator(mode="before")
     @classmethod

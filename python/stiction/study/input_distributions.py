@@ -28,7 +28,7 @@ from stiction.study.values import FrictionCoefficients, ShearStrengths
 InputDistribution = Literal["exact", "normal", "log-normal", "uniform"]
 # Half width of the 95 % interval of a normal distribution, in standard deviations.
 Z_95 = 1.959963984540054
-# Number of samples of each input. With fewer, budget fractions of equally important inputs differ by more than 0.01.
+# Number of random samples of each input. With fewer, equal inputs get budget fractions that differ by over 0.01.
 NUM_INPUT_SAMPLES = 2**14
 # Smallest accepted standard uncertainty of an input, relative to its central value.
 MIN_RELATIVE_UNCERTAINTY = 1e-9
@@ -68,7 +68,7 @@ _TRAILING_UNIT_PATTERN = re.compile(r"(?<![^\W\d_])(?!inf\b|nan\b)[^\W\d_]+\s*$"
 # A Vickers scale may have its test load, as in "HV10" or "HV 0.5".
 _VICKERS_TEST_LOAD_PATTERN = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")
 InputKind = Literal["", "pressure", "modulus", "hardness"]
-# The largest accepted Poisson's ratio is that of an incompressible body.
+# The largest accepted Poisson's ratio belongs to an incompressible body.
 MAX_POISSON_RATIO = 0.5
 # Largest accepted α of junction growth. A von Mises body whose hardness is three times its yield strength has α = 27.
 MAX_JUNCTION_GROWTH_COEFFICIENT = 100.0
@@ -86,9 +86,9 @@ MAX_CREEP_EXPONENT = 0.5
 
 @dataclass(frozen=True)
 class UncertainInput:
-    """Exact number, or limits and type of the probability distribution of an input, in core units (µm, GPa, mN)."""
+    """Distribution of an input in core units (µm, GPa, mN): an exact number, or a range with a type of distribution."""
 
-    # Central value of an input: a number, or the mean of its limits (geometric for a log-normal distribution).
+    # Central value of an input: an exact number, or the mean of both limits (geometric mean if log-normal).
     value: float
     # Lower limit of the 95 % interval of an input, or of its uniform distribution.
     low: float
@@ -109,14 +109,14 @@ class UncertainInput:
 
     @property
     def short_text(self) -> str:
-        """Short text of an input: a number with up to six digits if exact, otherwise the range as the user wrote it."""
+        """Short text of the input: an exact number (up to six digits), or the text of a range as the user wrote it."""
         return f"{self.value:g}" if self.is_exact else self.text
 
     @property
     def distribution_text(self) -> str:
-        """Distribution in core units (µm, GPa, mN), as in "log-normal 1.059..1.294".
+        """Text of the distribution in core units (µm, GPa, mN), such as "log-normal 1.059..1.294".
 
-        It is the same text for every unit of the input.
+        The text is the same for every unit of the input.
 
         Limits are rounded to four digits.
         """
@@ -138,7 +138,7 @@ class UncertainInput:
         if self.distribution == "log-normal":
             return np.asarray(self.value * np.exp(ndtri(probability) / Z_95 * 0.5 * math.log(self.high / self.low)))
         deviation = (self.high - self.low) / (2 * Z_95)
-        # The normal distribution is truncated at zero. Its negative numbers have this probability.
+        # The normal distribution is truncated at zero, and loses numbers of the probability `probability_below_zero`.
         probability_below_zero = ndtr(-self.value / deviation)
         return np.asarray(
             np.maximum(
@@ -181,7 +181,7 @@ def parse_uncertain_input(name: str, source: Any, kind: InputKind = "") -> Uncer
 
 
 def _parse_distribution(name: str, text: str, kind: InputKind) -> UncertainInput:
-    """Parse the text of an input, such as a range, to a distribution.
+    """Parse a text such as "20..80 MPa" to the probability distribution of an input.
 
     Single spaces must separate the words.
     """
@@ -262,7 +262,7 @@ def _parse_number(name: str, text: str) -> float:
 
 
 def _parse_value(name: str, source: Any, kind: str) -> float:
-    """Parse a nonnegative number, or a quantity with a unit, and return it in core units (µm, GPa, mN).
+    """Parse a nonnegative number or a quantity with a unit, and return a number in core units (µm, GPa, mN).
 
     A text contains a unit if `kind` is not empty.
     """
@@ -296,7 +296,10 @@ def _parse_value(name: str, source: Any, kind: str) -> float:
 
 
 def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
-    """Return both limits of a range as texts, where a limit without a unit gets the unit of the other limit."""
+    """Copy the unit of one limit of a range to the other limit, if the other limit has no unit.
+
+    The unit of the first limit is copied to the last limit only if it is HV or HRC.
+    """
     unit_matches = [_TRAILING_UNIT_PATTERN.search(text) for text in (first_text, last_text)]
     if unit_matches[0] is None and unit_matches[1] is not None:
         return f"{first_text} {unit_matches[1][0]}", last_text
@@ -356,7 +359,7 @@ def generate_sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, se
         for dimension, matrix in enumerate(matrices):
             bits = matrix @ _compute_sobol_direction_bits(*SOBOL_GENERATORS[dimension]) % 2
             for index, number in enumerate((place_values[::-1] @ bits)[:num_bits]):
-                # In Gray-code order, the second half of the points is the first half reversed, with one bit flipped.
+                # In Gray-code order, the second half of the points is the reversed first half with one bit flipped.
                 first_half = integers[: 2**index, dimension]
                 integers[2**index : 2 ** (index + 1), dimension] = first_half[::-1] ^ number
         points = integers * 0.5**SOBOL_BITS
@@ -369,18 +372,18 @@ def generate_stratified_points(dimensions: int) -> Floats:
 
 
 def select_by_weight(cumulative_weights: Floats, count: int, offset: float) -> NDArray[np.intp]:
-    """Return the indices of `count` samples, each selected as often as its weight requires (systematic resampling).
+    """Return the indices of `count` samples, selected in proportion to the weights (systematic resampling).
 
     `offset` is a number from 0 to 1 that shifts the selection.
     """
     targets = (np.arange(count) + offset) / count * cumulative_weights[-1]
-    # Round-off can make the last target exceed the sum of all weights.
+    # Round-off can make the last target larger than the sum of all weights, so the index is limited.
     indices: NDArray[np.intp] = np.minimum(np.searchsorted(cumulative_weights, targets), cumulative_weights.size - 1)
     return indices
 
 
 def draw_input_samples(inputs: Mapping[str, UncertainInput]) -> dict[str, Floats]:
-    """Draw `NUM_INPUT_SAMPLES` independent samples of each input from its distribution, by name of the input."""
+    """Draw `NUM_INPUT_SAMPLES` independent samples of each input from the input's distribution, by input name."""
     points = generate_stratified_points(len(inputs))
     return {name: value.quantile(points[:, column]) for column, (name, value) in enumerate(inputs.items())}
 
@@ -402,7 +405,7 @@ _INPUT_LIMITS = {
 
 
 def parse_study_input(name: str, source: Any) -> UncertainInput:
-    """Parse the value of an input with a given name, such as "hardness": number, range, or text with an uncertainty.
+    """Parse an input with a given name, such as "hardness", from a number, a range, or a text with an uncertainty.
 
     The name is a key of `INPUT_KINDS`. Error messages do not contain the name.
     """
@@ -423,7 +426,7 @@ def parse_study_input(name: str, source: Any) -> UncertainInput:
 
 
 def _parse_slip_line_ratio(source: str) -> UncertainInput:
-    """Parse the input "slip-line", optionally with a range of the ratio H/k, as in "slip-line 5.14..5.69"."""
+    """Parse "slip-line" or, with the ratio H/k of hardness to shear strength, "slip-line 5.14..5.69"."""
     text = " ".join(source.split())
     ratio_text = text.removeprefix(SLIP_LINE_TEXT).strip()
     if not ratio_text:
@@ -440,7 +443,7 @@ def _parse_slip_line_ratio(source: str) -> UncertainInput:
 
 
 class InputValue(Quantity):
-    """Input of a study: a number, a distribution, and the text from which both were parsed.
+    """Input of a study: a number, its probability distribution, and the text that specifies both.
 
     The number is the central value in core units, with which contacts are computed. For a range, it is the mean of both
     limits, rounded to four digits. The mean is geometric for a log-normal distribution, and arithmetic otherwise.
@@ -461,7 +464,7 @@ class InputValue(Quantity):
         return float(self), self.estimate, self.text
 
     def __eq__(self, other: object) -> bool:
-        """Compare the central values of two inputs and, if one of the inputs is uncertain, their distributions."""
+        """Compare the central values of two inputs and, unless both are exact, the distributions."""
         if isinstance(other, InputValue) and not (self.is_exact and other.is_exact):
             return float(self) == float(other) and self.estimate == other.estimate
         return float(self) == other
@@ -469,10 +472,7 @@ class InputValue(Quantity):
     __hash__ = Quantity.__hash__
 
     def __bool__(self) -> bool:
-        """Return whether the central value differs from 0, or the input is uncertain.
-
-        A range whose central value is 0 counts as True.
-        """
+        """Return False only for an exact 0. An uncertain input counts as True."""
         return float(self) != 0 or not self.is_exact
 
     @property
@@ -548,7 +548,7 @@ def format_input_value(value: InputValue | None) -> Any:
 
 
 def _parse_single_value(name: str, values: Any, parse_list: Callable[[Any], Any]) -> Any:
-    """Parse mu0 or tau0 to a tuple: several exact numbers, or a single number that may be uncertain."""
+    """Parse mu0 or tau0 to a tuple, which contains exact numbers or a single uncertain number."""
     items = list(values) if isinstance(values, (list, tuple)) else [values]
     if any(isinstance(item, InputValue) or (isinstance(item, str) and _is_uncertain(item)) for item in items):
         if len(items) > 1:

@@ -22,7 +22,7 @@ from stiction.study.moduli import MODULUS_NAMES, UncertainModulus
 from stiction.study.study import Study
 from stiction.surfaces.pairing import SIDES
 
-# A replaced central value counts as unchanged up to this relative difference.
+# Relative difference up to which a replaced central value of an input counts as unchanged.
 SAME_VALUE_TOLERANCE = 1e-3
 
 _LABELS = {
@@ -68,7 +68,7 @@ class StudyInput:
 
 @dataclass(frozen=True)
 class Inputs:
-    """All inputs of a study by name: friction, elasticity, hardness, yield, area loss and creep.
+    """All inputs of a study by name, such as mu0, tau0, effective modulus, hardness and creep exponent.
 
     The names are "mu0", "tau0", "effective_modulus", "hardness", "junction_growth", "yield_exponent", "area_loss",
     "creep", "size_effect" if the depth of the indentation is given, and, if Young's moduli and Poisson's ratios are
@@ -128,13 +128,13 @@ class Inputs:
         return {name: entry for name, entry in self.entries.items() if not entry.estimate.is_exact}
 
     def estimate(self, name: str) -> UncertainInput | None:
-        """Return the distribution of an input, or None if the study does not have this input."""
+        """Return the distribution of the named input, or None if the study has no such input."""
         entry = self.entries.get(name)
         return None if entry is None else entry.estimate
 
     @property
     def strength(self) -> InterfaceStrength | None:
-        """Joint distribution of mu0 and tau0 that the interface of the study defines.
+        """Joint distribution of mu0 and tau0 that the interface of the study defines, or None.
 
         The value is None if the study has no interface, or if the interface file is missing or changed.
         """
@@ -166,7 +166,7 @@ class Inputs:
         return self._modulus.relative_modulus(samples)
 
     def replaced(self, **values: float) -> Inputs:
-        """Return a copy of the inputs with other central values of some inputs, such as ``hardness=1.2`` (GPa).
+        """Return a copy of the inputs with changed central values, such as ``hardness=1.2`` (GPa).
 
         A value that differs from the value of the study has no uncertainty. If it is mu0 or tau0, the joint
         distribution of both no longer applies.

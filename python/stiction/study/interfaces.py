@@ -60,10 +60,10 @@ EXCLUSION_P_VALUE_LIMIT, ERROR_SCALING_P_VALUE_LIMIT = 0.01, 0.05
 Below the first limit, the tests exclude the sliding rule. Below the second limit, the errors of the tests are scaled.
 """
 
-INTERVAL_COVERAGE = 0.95  # probability that an interval of the strength contains the true strength
+INTERVAL_COVERAGE = 0.95  # probability that the interval of mu0 or tau0 contains the true number
 
 DENSITY_WINDOW_AT_BOUND, MAX_DENSITY_WINDOW = 0.05, 0.2
-"""Widths of the windows in which the density of samples is averaged at 0 and at its maximum.
+"""Widths of the windows in which the density of random samples is averaged: at 0, and at the maximum of the density.
 
 The widths are fractions of the 97.5 % quantile. The density varies little near its maximum, so this window can be
 wider, which makes the maximum less random.
@@ -101,7 +101,7 @@ _SCORE_COLUMN_PREFIX = "score of "
 
 
 def shared_input_name(name: str, estimate: UncertainInput, pair_checksum: str) -> str:
-    """Return the name under which all tests and pairs with the same distribution of an input share this input.
+    """Return the name of an input that all tests and pairs with the same distribution of the input share.
 
     Small contacts lose a larger fraction of their area than large ones, so another pair has another area loss.
     """
@@ -110,11 +110,11 @@ def shared_input_name(name: str, estimate: UncertainInput, pair_checksum: str) -
 
 
 def area_error_name(pair_checksum: str) -> str:
-    """Return the name of the relative error of the true area that all tests of a pair share."""
+    """Return the name of the relative error of a pair's true area, which all tests of the pair have in common."""
     return f"area of {pair_checksum}"
 
 
-# A number with the lower and the upper limit of its 95 % interval.
+# Number, followed by the lower and the upper limit of its 95 % interval.
 ValueWithLimits = tuple[float, float, float]
 
 
@@ -123,31 +123,31 @@ class StrengthFit:
     """Fit of mu0 and tau0 to friction tests for one sliding rule: joint samples, and the quality of the fit."""
 
     sliding: SlidingRule
-    # Chi-squared of the best fit, without meaning if the tests have no given errors.
+    # Chi-squared of the best fit. It has no meaning if the tests have no given errors.
     chi_squared: float
     # Degrees of freedom: number of tests with sliding, minus number of fitted parameters.
     freedom: int
-    # Probability of a larger chi_squared by chance. It is NaN without errors or degrees of freedom.
+    # Probability of a larger chi-squared by chance, or NaN without given errors or without degrees of freedom.
     probability: float
-    # Factor by which the errors of the tests were multiplied.
+    # Factor by which the fit multiplied the errors of the tests.
     scale: float
-    # P-value of a trend of the residuals with the load.
+    # P-value of a trend of the residuals with the load, which is small if the law does not fit.
     trend: float
     # Samples of mu0, each paired with a sample of tau0.
     mu0: Floats
     # Samples of tau0 (GPa), each paired with a sample of mu0.
     tau0: Floats
-    # Hardness (GPa) of each sample of mu0. It is NaN if the tests have different hardnesses.
+    # Hardness (GPa) of each sample of mu0, or NaN if the tests have different hardnesses.
     hardness: Floats
-    # Junction growth α of each sample of mu0. It is NaN if α differs between tests or has no effect.
+    # Junction growth α of each sample of mu0, or NaN if α differs between tests or has no effect.
     junction_growth: Floats
-    # Area per load A/F (1/GPa) at the onset of sliding in the tests. It is NaN if unknown.
+    # Area per load A/F (1/GPa) at the onset of sliding in the tests, or NaN if unknown.
     area_per_load: Floats
-    # Normal scores of the uncertain inputs and area errors of the tests, one for each sample of mu0.
-    # The names of the scores are given by `shared_input_name` and `area_error_name`.
-    # Another pair with the same input uses the same scores.
+    # Normal scores of the uncertain inputs and of the area errors of the tests, with one score for each sample of mu0.
+    # The functions `shared_input_name` and `area_error_name` return the keys.
+    # A pair that shares an uncertain input with the tests uses the same scores of this input.
     scores: Mapping[str, Floats] = field(default_factory=dict)
-    # Fits to the same tests with mu0 = 0 and with tau0 = 0, by the name of the coefficient that is 0.
+    # Fits to the same tests with mu0 = 0 or tau0 = 0. The key is the name of the coefficient that is 0.
     # A fit is missing if the tests exclude 0, or if only the other coefficient was fitted.
     fits_at_bounds: Mapping[str, StrengthFit] = field(default_factory=dict)
 
@@ -335,10 +335,11 @@ class InterfaceStrength:
 
     @cached_property
     def sampled_fits(self) -> tuple[tuple[StrengthFit, float], ...]:
-        """Pairs of a fit and the fraction of its samples that every interval must contain.
+        """Fits of the interface, each with the coverage of its interval.
 
-        The fraction is 95 % for the first fit. For the fits with mu0 = 0 and with tau0 = 0, the fraction decreases
-        with the probability of these values; fits that the tests exclude are missing (see `compute_coverage_at_bound`).
+        Intervals of the interface cover the intervals of all these fits. The coverage is 95 % for the first fit. For
+        the fits with mu0 = 0 and with tau0 = 0, the coverage decreases with the probability of these values; fits that
+        the tests exclude are missing (see `compute_coverage_at_bound`).
         """
         fit = self.fits[0]
         bounds = (
@@ -348,13 +349,13 @@ class InterfaceStrength:
 
     @property
     def possible_zeros(self) -> tuple[str, ...]:
-        """Names of mu0 and tau0 that may be 0 according to the tests; empty if only one of them was fitted."""
+        """Names of the parameters that the tests allow to be 0 (mu0, tau0 or both); empty if only one was fitted."""
         fit = self.fits[0]
         return tuple(name for name in fit.fits_at_bounds if compute_coverage_at_bound(getattr(fit, name)) > 0)
 
     @property
     def samples_at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
-        """Samples of mu0 and tau0 (GPa) with mu0 = 0 and with tau0 = 0, unless the tests exclude these values."""
+        """Samples (mu0, tau0 in GPa) of the fits with mu0 = 0 and with tau0 = 0, unless the tests exclude 0."""
         return tuple((fit.mu0, fit.tau0) for fit, _ in self.sampled_fits[1:])
 
     def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> ValueWithLimits:
@@ -374,7 +375,7 @@ class InterfaceStrength:
 
     @property
     def excluded(self) -> tuple[SlidingRule, ...]:
-        """Sliding rules that do not fit the tests, although another sliding rule does."""
+        """Sliding rules that the tests exclude, if the tests agree with another sliding rule."""
         accepted_rules = [fit.sliding for fit in self.fits if fit.probability > ERROR_SCALING_P_VALUE_LIMIT]
         return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUSION_P_VALUE_LIMIT and accepted_rules)
 
@@ -391,7 +392,7 @@ class InterfaceStrength:
 
     @property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth α of the tests, or None if α differs between the tests or does not affect them."""
+        """Junction growth α of the tests, or None if α differs between tests or has no effect on the tests."""
         if JUNCTION_GROWTH_HEADER_ENTRY not in self.about:
             return None
         median = float(f"{np.median(self.fits[0].junction_growth):.4g}")
@@ -414,7 +415,7 @@ class InterfaceStrength:
 
 
 def compute_coverage_at_bound(values: Floats) -> float:
-    """Return the probability of samples at 0 that a 95 % interval contains, given all samples of a nonnegative number.
+    """Return the coverage of the interval for a fit with one parameter fixed at 0, from samples of the free parameter.
 
     A normal density falls to exp(-z²/2) of its maximum at z standard deviations. At 0, where the density falls to
     exp(-d²/2), the part of the 95 % region with z² < 1.96² - d² remains. This probability is 95 % if the density at 0
@@ -434,7 +435,7 @@ def compute_coverage_at_bound(values: Floats) -> float:
     if density_at_bound == 0:
         return 0.0
     squared_score = max(Z_95**2 + 2 * math.log(density_at_bound / max_density), 0.0)
-    # Round-off of the error function must not change the 95 % of a density that is highest at 0.
+    # The limit removes the round-off of the error function if the density is highest at 0.
     return min(math.erf(math.sqrt(squared_score / 2)), INTERVAL_COVERAGE)
 
 
@@ -461,7 +462,7 @@ def compute_credible_interval(
 
 
 def cover_credible_intervals(samples: Sequence[tuple[Floats, float]]) -> ValueWithLimits:
-    """Return the median of the first array of samples, and an interval that covers the intervals of all arrays.
+    """Return the median of the first array of samples, and an interval that contains the intervals of all arrays.
 
     Each array is given with the probability of its interval.
     """
@@ -565,7 +566,7 @@ def _build_strength_fit(sliding: Any, mu0: Any, tau0: Any, *other_samples: Any) 
 
 
 def _estimate_fits_at_bounds(fit: StrengthFit) -> dict[str, StrengthFit]:
-    """Return fits with mu0 = 0 and with tau0 = 0 for an interface file without them.
+    """Estimate the fits with mu0 = 0 and with tau0 = 0 for an interface file that does not contain both fits.
 
     The other coefficient is shifted so that the sum mu0 + tau0 A/F at the A/F of the tests does not change.
     """
@@ -578,7 +579,7 @@ def _estimate_fits_at_bounds(fit: StrengthFit) -> dict[str, StrengthFit]:
 
 
 def _compute_normal_scores_of_old_interface_file(fit: StrengthFit, header: Mapping[str, str]) -> dict[str, Floats]:
-    """Return the normal scores of hardness and junction growth in an interface file without columns of scores."""
+    """Return the normal scores of hardness and junction growth that an old interface file does not contain."""
     from scipy.special import ndtr
 
     columns = {
@@ -672,7 +673,7 @@ class InterfaceSettings(SettingsSection):
             file = name_or_path if is_published else str(Path(name_or_path).resolve())
             strength = _read_cached_interface(file, 0 if is_published else Path(file).stat().st_mtime_ns)
         except OSError:
-            # `named` raises an error whose message lists the published interfaces.
+            # If the file cannot be read, `named` raises an error whose message lists the published interfaces.
             strength = InterfaceStrength.named(name_or_path)
         mu0, tau0 = (
             _format_strength(median, interval, scale, unit)
@@ -683,7 +684,7 @@ class InterfaceSettings(SettingsSection):
         return cls.model_validate({"file": file, "mu0": mu0, "tau0": tau0, "sliding": strength.fits[0].sliding})
 
     def find_current_entry(self) -> InterfaceSettings | None:
-        """Return the entry that the interface has now, or None if the interface file is missing or has changed.
+        """Return the present entry of the interface, or None if the interface file is missing or has changed.
 
         A changed file has other central values of mu0 or tau0. The ranges are not compared, because the rule for
         intervals of a fit depends on the version of the program that stored the entry.
@@ -730,7 +731,7 @@ class InterfaceSettings(SettingsSection):
 
 
 def _format_strength(median: float, interval: ValueWithLimits, scale: float, unit: str) -> str:
-    """Format mu0 or tau0 (GPa) with its 95 % interval for a study file, as in "50 MPa (20..80 MPa)"."""
+    """Format mu0, or tau0 (GPa), with its 95 % interval for a study file, as in "50 MPa (20..80 MPa)"."""
     low, high = (f"{scale * end:.4g}" for end in interval[1:])
     central = exact_quantity_text(median, "GPa") if unit else repr(median)
     return f"{central} ({low}..{high}{unit})" if float(low) < float(high) else central

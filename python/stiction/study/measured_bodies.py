@@ -43,7 +43,7 @@ from stiction.surfaces.tip import sharpened
 ColumnNameOrIndex = int | str
 
 
-# A body of one of these types can be read from a file.
+# Types of bodies that can be read from a file.
 MeasuredBody = Profile | Surface | JoinedSpectrum
 
 
@@ -132,7 +132,7 @@ MAX_TIP_CORRECTION = 10.0
 
 
 class BodyInMemory:
-    """Wrapper of a measured body that the user passes as an object instead of a file.
+    """Measured body that the user passes as an object in memory instead of a file.
 
     The class is not a dataclass, so that copies of a study share the body.
     """
@@ -142,12 +142,12 @@ class BodyInMemory:
 
 
 class MeasuredBodySettings(SettingsSection):
-    """Measured profile, height map or joined spectrum in a study: a file with reading options, or a body in memory."""
+    """Measured profile, height map or joined spectrum of a study, from a scan file or from memory."""
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
     def __eq__(self, value: object) -> bool:
-        """Compare all keys of two bodies.
+        """Compare the settings of two bodies, key by key.
 
         Bodies in memory are compared by checksum and history.
         """
@@ -235,7 +235,7 @@ class MeasuredBodySettings(SettingsSection):
 
     @property
     def scans(self) -> tuple[MeasuredBodySettings, ...]:
-        """Scans of the body: the scan in this file, and scans of other places on the body."""
+        """Scans of the body: the scan in this file, and scans of other places on the same body."""
         return self, *(self.others or ())
 
     @property
@@ -313,7 +313,7 @@ class MeasuredBodySettings(SettingsSection):
         return _load_scanned_body(self._identify_content(checksum))
 
     def _identify_content(self, checksum: str) -> _ScanFile:
-        """Return the key under which the file content is cached: file name, checksum and reading options."""
+        """Return the cache key of the file content, which consists of file name, checksum and reading options."""
         unrelated_keys = {"others": None, "height_factor": 1.0, "max_cut_off": None, "texture": None}
         return _ScanFile(
             self.model_copy(update={"file": Path(self.file).name, "sha256": checksum} | unrelated_keys), Path(self.file)
@@ -349,7 +349,7 @@ class MeasuredBodySettings(SettingsSection):
         return self._apply_to_scans(mask_outliers)
 
     def with_tip_correction(self, factor: float) -> MeasuredBodySettings:
-        """Return a copy in which scans with a known tip radius are sharpened by a multiple of the tip correction."""
+        """Return a copy of the body with a multiple of the tip correction, for scans with a known tip radius."""
         return self._apply_to_scans(
             lambda scan: scan if scan.tip is None else scan.model_copy(update={"tip_correction": factor})
         )
@@ -363,7 +363,7 @@ class MeasuredBodySettings(SettingsSection):
         return [body for scan in self.scans if isinstance(body := scan.read(), (Profile, Surface))]
 
     def limit_cut_off(self, wavelength: float) -> float:
-        """Return the cutoff (µm) of this scan: the cutoff of the pair, but at most the scan's maximum cutoff."""
+        """Return the cutoff (µm) for this scan: the pair's cutoff, or the maximum cutoff of the scan if smaller."""
         return wavelength if self.max_cut_off is None else min(wavelength, float(self.max_cut_off))
 
     def find_interpolated_fraction_and_gap(self) -> Floats:
@@ -470,7 +470,7 @@ def _compute_checksum(body: MeasuredBody) -> str:
 
 @dataclass(frozen=True)
 class _ScanFile:
-    """Cache key of a scan file: file name, checksum and reading options.
+    """Key under which the content of a scan file is cached: file name, checksum and reading options.
 
     The path of the file is not compared.
     """
@@ -494,7 +494,7 @@ def _load_scanned_body(file: _ScanFile) -> MeasuredBody:
 
 
 def _correct_for_tip(file: MeasuredBodySettings, body: MeasuredBody) -> MeasuredBody:
-    """Sharpen a scan by the multiple of its tip correction that the study specifies."""
+    """Sharpen a scan by the multiple of the tip correction that the study specifies."""
     if file.tip is None or file.tip_correction is None or isinstance(body, JoinedSpectrum):
         return body
     return sharpened(body, float(file.tip), file.tip_correction)

@@ -49,7 +49,7 @@ from stiction.surfaces.surface import Surface
 class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
     """Keys of the section `[surfaces]` that all studies of measured surfaces have."""
 
-    # Error messages use these words for the two surfaces.
+    # Phrase for the two surfaces in error messages.
     bodies: ClassVar[str] = "measured areas"
     is_areal: ClassVar[bool] = True
     """True if the members are pairs of height maps, and False if they are pairs of profiles."""
@@ -90,21 +90,21 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
         return {"cut_off": to_value_array(self.cut_off)}
 
     def reported_cut_off(self) -> float:
-        """Return the first cutoff (µm) of the study, whose result is quoted."""
+        """Return the cutoff (µm) whose result is quoted: the first cutoff of the study."""
         return float(self.cell_coordinates()["cut_off"][0])
 
     def get_scan_cut_offs(self, wavelength: float) -> ScanCutoffs:
-        """Return the cutoff (µm, 0 for no filter) of each scan of both bodies, given the cutoff of the pair."""
+        """Return the cutoff (µm) of each scan of the upper and of the lower body, given the pair's cutoff (0: none)."""
         upper, lower = (tuple(scan.limit_cut_off(wavelength) for scan in getattr(self, side).scans) for side in SIDES)
         return upper, lower
 
     def with_changed_files(self, change: Callable[[MeasuredBodySettings, str], MeasuredBodySettings]) -> Self:
-        """Return a copy of the section in which each body is replaced by `change(body, side)`."""
+        """Return a copy of the section with changed bodies: `change(body, side)` returns the new body of a side."""
         return self.model_copy(update={side: change(getattr(self, side), side) for side in SIDES})
 
     @property
     def first_scan_member_index(self) -> int:
-        """Index of the first member that uses the scans themselves; the members before it are surrogates."""
+        """Index of the first member that consists of scans. Members with a smaller index are surrogates."""
         return 0
 
     @property
@@ -124,7 +124,7 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> MemberSource:
-        """Return a source of the members that two scans form after a low-pass filter at cutoffs (µm, 0 for no filter).
+        """Return a source of members, cut from two scans that are low-pass filtered at cutoffs (µm, 0 for no filter).
 
         Raises a `ValueError` if the scans form no members.
         """
@@ -133,7 +133,7 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
     def filter_scans(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair
     ) -> Iterator[Profile | Surface]:
-        """Yield the upper and the lower scan, each low-pass filtered at its own cutoff (µm, 0 for no filter)."""
+        """Yield the upper and the lower scan, low-pass filtered at the cutoff of each scan (µm, 0 for no filter)."""
         for scan, wavelength in zip(scans, cut_offs, strict=True):
             if isinstance(scan, JoinedSpectrum):
                 press = type(self).model_fields["press"].default
@@ -202,7 +202,7 @@ class MeasuredLineSettings(CommonMeasuredSurfaceSettings):
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> LineMemberSource:
-        """Return a source of members: pairs of profiles or lines at several positions, or surrogates of such pairs."""
+        """Return a source of members: pairs of profiles or scan lines, or of their surrogates, at several positions."""
         upper, lower = self.filter_scans(scans, cut_offs)
         level: ProfileTrend | None = None if self.level == "none" else self.level
         positions = None if self.positions is None else tuple(map(float, self.positions))
@@ -253,13 +253,13 @@ class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
 
     @property
     def first_scan_member_index(self) -> int:
-        """Index of the first member that uses the scans themselves; the members before it are surrogates."""
+        """Index of the first member that consists of scans. Members with a smaller index are surrogates."""
         return self.surrogates
 
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> MapMemberSource | GapMemberSource:
-        """Return a source of members: pairs of surrogates followed by pairs of map pieces, or a single measured gap."""
+        """Return a source of members: surrogates, followed by pairs of map pieces; or a single measured gap."""
         upper, lower = self.filter_scans(scans, cut_offs)
         if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
             raise ValueError('surfaces.press must be "lines" or "surrogates" for a profile, got "areas"')

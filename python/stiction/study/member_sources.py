@@ -53,7 +53,7 @@ class SharedMemberProperties:
     shape: Sequence[int]
     spacing: Sequence[float]
     piece_fractions: Sequence[float]
-    # Each member takes a piece from these whole scans.
+    # Whole scans, from which each member takes a piece.
     scans: Sequence[Any]
 
 
@@ -68,13 +68,13 @@ BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
         for side in SIDES
         for name in ("spacing", "extent")
     },
-    # Fraction of interpolated points of a scan, and size (µm² or µm) of the largest gap between measured points.
+    # Fraction of interpolated points of a scan, and size of its largest unmeasured region (µm² on maps, else µm).
     **{f"{side}_filled": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
     # Missing points between two measured points, as a fraction of all points of a scan.
     **{f"{side}_pierced": AttributeSpec(sizes=(1,), bounds=(0, 1), is_required=False) for side in SIDES},
     # Ratio of the rms slopes of a map across and along its lay, stored if both maps have a lay.
     **{f"{side}_lay": AttributeSpec(sizes=(1,), bounds=(1, MAX_STORED_VALUE), is_required=False) for side in SIDES},
-    # Drift of ln(rms slope) along a single scan, and the scan's fraction of the mean square slope of the gap.
+    # Drift of ln(rms slope) along a single scan, and fraction of the gap's mean square slope that the scan contributes.
     **{f"{side}_drift": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
 }
 """Specifications of the attributes in a result that describe measured bodies. Values for several axes are in the order
@@ -84,7 +84,7 @@ of array axes.
 
 @dataclass(frozen=True)
 class BodyAttributes:
-    """Attributes that describe measured bodies in a result; empty for generated bodies."""
+    """Attributes and nominal area of the measured bodies in a result; empty for generated bodies."""
 
     nominal_area: float | None = None  # µm², of one member
     # Attributes of a result by name, as declared in `BODY_ATTRIBUTE_SPECS`.
@@ -147,12 +147,12 @@ class LineMemberSource:
         if max_steps == 0 and offset_index > 0:
             raise ValueError("several positions require a slider that is shorter than its counterface; give a travel")
         # Several pairs of lines are pressed unshifted.
-        # A single pair is shifted, because both lines may be the same scan.
+        # A single pair of lines is shifted, because both lines may come from the same scan.
         is_unshifted = pairs.has_several_pairs and num_offsets == 1 and pairs.travel is None
         if is_unshifted or max_steps == 0:
             offset_steps = 0
         elif num_offsets == 1 and pairs.travel is not None and offset_index == 0:
-            # A single relative position is at the end of the travel.
+            # With a single relative position, the slider is at the end of its travel.
             offset_steps = max_steps
         else:
             offset_steps = 1 + min(int(quasi_random_point(offset_index + 1, 1)[0] * max_steps), max_steps - 1)
@@ -160,11 +160,11 @@ class LineMemberSource:
 
     @cached_property
     def _get_pair(self) -> Callable[[int], tuple[Profile, Profile]]:
-        """Function that returns the pair of lines with a given number, with a cache because members share pairs."""
+        """Function that returns the pair of lines with a given number, cached because several members use each pair."""
         return functools.lru_cache(MAX_CACHED_LINE_PAIRS)(self.pairs.pair)
 
     def _member_at(self, slider: Profile, counterface: Profile, steps: int, line: int) -> EnsembleMember:
-        """Return the member in which the slider starts `steps` points after the start of the counterface."""
+        """Return the member whose slider starts `steps` grid points after the start of the counterface."""
         offset = steps * slider.spacing
         pair = slider, piece_below_slider(counterface, offset, slider)
         return EnsembleMember(
@@ -180,7 +180,7 @@ class LineMemberSource:
 def _find_properties_shared_by_line_members(
     slider: Profile, counterface: Profile, used_fraction: float, scans: tuple[Any, Any]
 ) -> SharedMemberProperties:
-    """Return the profiles, area and grid that all members of a study of profiles or scan lines have in common.
+    """Return the profiles, the area and the grid that are equal for all members of a study of profiles.
 
     `used_fraction` is the fraction of the upper scan that the slider covers.
     """
@@ -214,7 +214,7 @@ class MapMemberSource:
 
     pairs: MapPairs | IsotropicSurfacePairs | SurfacePairsFromSpectra
     scans: tuple[MeasuredBody, MeasuredBody]
-    # Number of surrogate pairs, which come before the other members. It is None if all members are surrogates.
+    # Number of surrogate pairs (which come before the other members), or None if all members are surrogates.
     surrogates: int | None = None
 
     def member(self, index: int) -> EnsembleMember:

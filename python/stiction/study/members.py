@@ -55,7 +55,7 @@ def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
 
 
 def _get_weierstrass_arguments(surfaces: Any) -> dict[str, Any]:
-    """Return the length scale, γ, the definition of D and the band limit of the profiles (Eq. 1) of a study."""
+    """Return the parameters of Eq. 1 for the profiles of a study: length scale, γ, definition of D, band limit."""
     return {
         "length_scale": float(surfaces.length_scale), "gamma": surfaces.gamma, "convention": surfaces.convention,
         "band_limit": None if surfaces.band_limit == "none" else surfaces.band_limit,
@@ -63,9 +63,9 @@ def _get_weierstrass_arguments(surfaces: Any) -> dict[str, Any]:
 
 
 def fill_profile_family(study: Study, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> Floats:
-    """Generate the profiles of one body for several fractal dimensions, and write them to the rows of `heights`.
+    """Fill the rows of the array `heights` with profiles of one body, one profile per fractal dimension.
 
-    The heights are not scaled to an amplitude. Returns the mean, the minimum and the maximum of each profile (k, 3).
+    The heights are not scaled to an amplitude. Returns an array (k, 3): mean, minimum and maximum of each profile.
     """
     surfaces: Any = study.surfaces
     phases = generate_phases(study, repetition, side)
@@ -138,7 +138,7 @@ def scale_surface_to_amplitude(study: Study, surface: Surface, amplitude: float)
 def pair_of(
     study: Study, repetition: int, *, fractal_dimension: float, amplitude: float
 ) -> tuple[Profile, Profile] | tuple[Surface, Surface]:
-    """Generate the pair of surfaces that `run` presses in one repetition of a study.
+    """Generate the two surfaces of one repetition of a study, which `run` presses against each other.
 
     Parameters
     ----------
@@ -221,7 +221,7 @@ class PreparedBodies:
         self._locks: dict[tuple[float, int, int], threading.Lock] = {}
 
     def members(self, wavelength: float, upper: int = 0, lower: int = 0) -> MemberSource:
-        """Return a source of the members (surface pairs) from two scans that are low-pass filtered at a cutoff (µm).
+        """Return an object that creates the members (surface pairs) from two scans, low-pass filtered at a cutoff (µm).
 
         A cutoff of 0 stands for no filter. If several threads need the same members, one thread filters the scans, and
         the others wait. Raises a `ValueError` if the scans form no members.
@@ -238,16 +238,16 @@ class PreparedBodies:
         return surfaces.build_member_source(scan_pair, (upper_cutoff, lower_cutoff), self._seed)
 
     def member(self, index: int, wavelength: float) -> EnsembleMember:
-        """Return the member with a given index, from scans that are low-pass filtered at a cutoff (µm, 0 for none)."""
+        """Return the member with a given index, from scans low-pass filtered at a cutoff (µm; 0 for no filter)."""
         surfaces = self._surfaces
-        # Each pair of scans numbers its members from 0. Surrogates keep the study's member number, which is their seed.
+        # Members are numbered from 0 in each pair of scans. Surrogates keep the study's member number as their seed.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
         index_within_pair = index if has_surrogates else index // math.prod(surfaces.scan_counts)
         return self.members(wavelength, *surfaces.scan_indices_of_members(index)).member(index_within_pair)
 
     @cached_property
     def attributes(self) -> BodyAttributes:
-        """Attributes that describe the bodies in a result: nominal area, history, grid and missing points."""
+        """Attributes that a result stores about the bodies, such as nominal area, history, grid and missing points."""
         properties = self.members(self._surfaces.reported_cut_off()).find_shared_properties()
         attributes: dict[str, Any] = {
             side: "\n".join(body.history)
@@ -272,7 +272,7 @@ class PreparedBodies:
 
     @cached_property
     def _pressed_bodies(self) -> list[Profile | Surface]:
-        """Filtered scans of both bodies, from which members are cut; empty for a gap and for spectra."""
+        """Filtered scan of each body, from which members are cut; empty if the study has a gap or spectra instead."""
         pairs = getattr(self.members(self._surfaces.reported_cut_off()), "pairs", None)
         filtered_scans = [getattr(pairs, side, None) for side in SIDES]
         bodies = [body for body in filtered_scans if isinstance(body, Profile | Surface)]
@@ -280,7 +280,7 @@ class PreparedBodies:
 
     @cached_property
     def _lay_attributes(self) -> dict[str, Any]:
-        """Attributes for the ratio of rms slopes across and along the lay of each map; {} if the bodies have no lay."""
+        """Attributes with each map's ratio of rms slopes across and along its lay; {} unless both maps have a lay."""
         maps = [body for body in self._pressed_bodies if isinstance(body, Surface)]
         if self._surfaces.press != "areas" or len(maps) < len(SIDES):
             return {}
@@ -305,7 +305,7 @@ class PreparedBodies:
         }
 
     def _find_measured_fraction(self) -> float:
-        """Return the fraction of the area that was measured on both bodies, averaged over the first few members."""
+        """Return the fraction of the area that was measured on both bodies, averaged over the first few pairs."""
         if all(getattr(scan, "missing", None) is None for scans in self._scans_by_side for scan in scans):
             return 1.0
         measured_fractions = []
@@ -318,7 +318,7 @@ class PreparedBodies:
 
 
 def count_grid_points(study: Study) -> int:
-    """Return the number of grid points of a member, or a typical number if scan files are missing."""
+    """Return the number of grid points of a member, or a typical number of points if no scan can be read."""
     settings: Any = study.surfaces
     if not study.is_measured:
         return math.prod(settings.shape) if study.is_areal else int(settings.points)
@@ -356,12 +356,12 @@ def _read_cached_bodies(surfaces: MeasuredSurfaceSettings, seed: int, _: object)
 
 
 def check_last_member(study: Study) -> None:
-    """Raise a `ValueError` if the measured bodies form fewer members than the study has repetitions."""
+    """Raise a `ValueError` if the scans of a study provide fewer members than the study has repetitions."""
     if study.is_measured:
         cutoff = float(study.surfaces.cell_coordinates()["cut_off"][0])
         read_measured_bodies(study).member(study.ensemble.repetitions - 1, cutoff)
 
 
 def find_body_attributes(study: Study) -> BodyAttributes:
-    """Return the attributes of a result that describe the bodies of its study; none for generated bodies."""
+    """Return the attributes that a result stores about measured bodies; generated bodies have no attributes."""
     return read_measured_bodies(study).attributes if study.is_measured else BodyAttributes()

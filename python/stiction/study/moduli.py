@@ -1,4 +1,4 @@
-"""Effective modulus E* with its uncertainty, from E* itself or from the elastic constants of both bodies."""
+"""Effective modulus E* with its uncertainty, entered directly or computed from the elastic constants of both bodies."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ docs/howto/elastomers.md lists published cases.
 
 
 def find_default_area_loss(effective_modulus: float) -> str | None:
-    """Return the default range of the area loss under shear.
+    """Return, as text, the default range of the fraction of the true area that rubber loses under shear.
 
     Returns None if E* (GPa) is too large for rubber.
     """
@@ -41,7 +41,7 @@ def find_default_area_loss(effective_modulus: float) -> str | None:
 
 @dataclass(frozen=True)
 class UncertainModulus:
-    """Effective modulus E* with its uncertainty, given for E* or for the elastic constants of both bodies.
+    """Effective modulus E* with its uncertainty, entered directly or as the elastic constants of both bodies.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class UncertainModulus:
 
     @property
     def inputs(self) -> dict[str, UncertainInput]:
-        """Elastic constants that are not exact, by name, such as "effective_modulus" or "young_upper"."""
+        """Uncertain elastic constants, keyed by names such as "effective_modulus" or "young_upper"."""
         sides = SIDES[:1] if self.is_one_material else SIDES
         inputs = {
             f"{name}_{side}": body[name]
@@ -74,7 +74,7 @@ class UncertainModulus:
         return {name: value for name, value in inputs.items() if not value.is_exact}
 
     def relative_modulus(self, samples: Mapping[str, Floats]) -> Floats | float:
-        """Return E* for samples of the elastic constants, divided by E* at the central values of the constants."""
+        """Return E* for random samples of the elastic constants, as a ratio to E* for the central values."""
         if "effective_modulus" in samples:
             return samples["effective_modulus"] / self.central_modulus
         sides = [SIDES[0]] * 2 if self.is_one_material else SIDES
@@ -105,7 +105,7 @@ def parse_elasticity(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
 ) -> tuple[PairElasticity, UncertainModulus]:  # fmt: skip
-    """Parse the elastic constants of a pair, and return their central values and their uncertainty.
+    """Parse a pair's elastic constants, and return the central values of the constants and E* with its uncertainty.
 
     The arguments have the meanings of `determine_elasticity`, but may be ranges or have an uncertainty. Raises a
     `ValueError` if arguments are missing, contradictory or invalid.

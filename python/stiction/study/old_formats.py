@@ -48,7 +48,7 @@ def convert_old_study(data: Mapping[str, Any], source: str) -> Mapping[str, Any]
 
 
 class _ContradictionError(Exception):
-    """Error raised if an old study file gives an input a central value outside the range of the input."""
+    """Error raised if the central value of an input in an old study file lies outside the range of this input."""
 
 
 def _convert_contact_section(contact: dict[str, Any], known: Mapping[str, Any]) -> dict[str, Any]:
@@ -94,7 +94,8 @@ def _replace_effective_modulus(
 ) -> dict[str, Any]:
     """Replace E* in an old study file by Young's moduli and Poisson's ratios.
 
-    If these give another E*, the E* of the file is kept, with the range that follows from the ranges of the moduli.
+    If the moduli and ratios give another E*, the E* of the file is kept, with the range that follows from the ranges of
+    the moduli.
     """
     modulus = _parse_input_or_none("effective_modulus", contact.get("effective_modulus", "10 GPa"))
     values = {
@@ -102,7 +103,7 @@ def _replace_effective_modulus(
         for name, entries in bodies.items()
     }
     if modulus is None or any(entry is None for entries in values.values() for entry in entries):
-        # The validation of the study reports these invalid entries.
+        # Invalid entries are reported by the validation of the study.
         return contact | dict(bodies)
     pairs: dict[str, Any] = {
         name: (2 * entries)[:2] if len(entries) == 1 else entries for name, entries in values.items()
@@ -155,7 +156,7 @@ def _convert_friction_section(friction: Mapping[str, Any], known: Mapping[str, A
     if interface_entry is not None and [float(interface_entry.mu0), float(interface_entry.tau0)] == strengths:
         interface_entry = str(source)
     else:
-        # The converted study states the strength itself if the interface file is missing or has changed.
+        # The converted study contains mu0 and tau0 if the interface file is missing or has changed.
         interface_entry = {"file": str(source)} | {
             name: None if value is None else value.text for name, value in zip(("mu0", "tau0"), strengths, strict=True)
         }
@@ -172,10 +173,7 @@ def _find_materials(contact: Mapping[str, Any]) -> tuple[Material, ...]:
 
 
 def _parse_input_or_none(name: str, entry: Any) -> InputValue | None:
-    """Parse an input in an old study file.
-
-    Returns None if the input is invalid.
-    """
+    """Parse an input in an old study file, or return None if the input is invalid."""
     try:
         return parse_input_value(name, entry)
     except ValueError:
@@ -183,7 +181,7 @@ def _parse_input_or_none(name: str, entry: Any) -> InputValue | None:
 
 
 def _merge_value_and_range(key: str, central: Any, text: Any) -> Any:
-    """Combine the central value and the range of an input in one text, such as "0.3 (0.2..0.4)".
+    """Combine the central value and the range of an input into one text, such as "0.3 (0.2..0.4)".
 
     Raises a `_ContradictionError` if the central value is outside the range.
     """

@@ -95,10 +95,7 @@ def _parse_degrees(value: object) -> float:
 
 
 def _parse_positions(value: object) -> object:
-    """Parse the positions of the slider, given as lengths or as (x, y) pairs of lengths.
-
-    Returns a flat list.
-    """
+    """Parse slider positions, given as lengths or as (x, y) pairs of lengths, to a flat list."""
     value = unwrap_scalar(value)
     items = value.tolist() if isinstance(value, np.ndarray) else value
     if not isinstance(items, (list, tuple)):
@@ -116,7 +113,7 @@ def _parse_surrogates(value: object) -> object:
 
 
 HeightInput: TypeAlias = str | Path | Profile | Surface | NDArray[np.generic] | HeightData | SurfaceTopographyObject
-"""Measured profile or height map: a file, an array of heights, or an object of this or of another library."""
+"""Measured profile or height map: a file, an array of heights, or an object of this package or another library."""
 ScanInput: TypeAlias = HeightInput | JoinedSpectrum
 BodyScans: TypeAlias = Annotated[ScanInput | Sequence[ScanInput], SkipValidation]
 """A single scan of a body, or scans at several places on the body."""
@@ -184,7 +181,7 @@ class PairProperties(Protocol):
 
     @property
     def contact_models(self) -> tuple[Mechanics, ...]:
-        """Contact models to compute: first the model of the result, and then a model that checks the result."""
+        """Contact models to use: the model for the result and, if the user requests a check, the other model."""
 
     @property
     def contact_law(self) -> str:
@@ -196,7 +193,7 @@ class OptionCondition:
     """Condition under which an option applies to a pair, and the error message if the condition does not hold."""
 
     is_met: Callable[[PairProperties], bool]
-    # Message if the condition is not met. It follows the option name, and {name} stands for another option.
+    # Message if the condition is not met, printed after the option name. {name} stands for another option.
     message: str
 
 
@@ -214,7 +211,7 @@ def select_body_value(name: str, values: Any, index: int) -> Any:
 
 
 def make_condition(message: str) -> Callable[[Callable[[PairProperties], bool]], OptionCondition]:
-    """Return a decorator that converts a function of a pair to an option condition with an error message."""
+    """Return a decorator that converts a yes/no function of a pair to an option condition with an error message."""
 
     def decorate(is_met: Callable[[PairProperties], bool]) -> OptionCondition:
         return OptionCondition(is_met, message)
@@ -242,19 +239,19 @@ def has_two_profiles(pair: PairProperties) -> bool:
 
 @make_condition("is for two profiles that are pressed as lines; other bodies have a nominal area")
 def presses_profiles_as_lines(pair: PairProperties) -> bool:
-    """Return whether both bodies are profiles, and are pressed as profiles instead of surrogate maps."""
+    """Return whether both bodies are profiles that are pressed directly, without surrogate maps."""
     return pair.are_profiles and pair.press_mode == "lines"
 
 
 @make_condition("generates surfaces from a spectrum and needs scans without masked points")
 def has_complete_scans_for_surrogates(pair: PairProperties) -> bool:
-    """Return whether surrogates, if the study generates any, come from scans without masked points."""
+    """Return True unless surrogates would be generated from scans with masked points."""
     return not (pair.has_masked_points and pair.has_surrogates)
 
 
 @make_condition("uses the asperity model and needs scans without masked points")
 def has_complete_scans_for_asperities(pair: PairProperties) -> bool:
-    """Return whether the asperity model, if it is used, presses scans without masked points."""
+    """Return True unless the asperity model would press scans with masked points."""
     return not pair.has_masked_points or "asperities" not in pair.contact_models
 
 
@@ -272,7 +269,7 @@ def has_no_spectrum(pair: PairProperties) -> bool:
 
 @make_condition("is for surfaces and surrogates; two profiles are one pair")
 def has_several_line_pairs(pair: PairProperties) -> bool:
-    """Return whether the members come from several pairs of lines: lines of maps, or surrogates of profiles."""
+    """Return whether several line pairs are available, from the lines of maps or from surrogates of profiles."""
     return not pair.are_profiles or (pair.press_mode == "lines" and pair.has_surrogates)
 
 
@@ -290,7 +287,7 @@ def presses_lines_of_maps(pair: PairProperties) -> bool:
 
 @make_condition("is for the areas of two maps, without {lines}")
 def presses_areas(pair: PairProperties) -> bool:
-    """Return whether whole height maps are pressed, and neither lines of the maps nor surrogates."""
+    """Return whether whole height maps are pressed, instead of single lines of the maps or surrogates."""
     return pair.press_mode == "areas"
 
 
@@ -326,7 +323,7 @@ def uses_one_contact_model(pair: PairProperties) -> bool:
 
 @make_condition("is for {mechanics} half-space")
 def uses_half_space_model(pair: PairProperties) -> bool:
-    """Return whether the half-space model is computed, for the result or for a check of the result."""
+    """Return whether contacts are computed with the half-space model, for the result or for a check of the result."""
     return "half-space" in pair.contact_models
 
 
@@ -344,13 +341,13 @@ def uses_only_half_space_model(pair: PairProperties) -> bool:
 
 @make_condition("is for {mechanics} asperities")
 def uses_asperity_model(pair: PairProperties) -> bool:
-    """Return whether the asperity model is computed, for the result or for a check of the result."""
+    """Return whether contacts are computed with the asperity model, for the result or for a check of the result."""
     return "asperities" in pair.contact_models
 
 
 @make_condition("must not be combined with {lay} grooves, which needs the law of cylinders")
 def has_contact_law_for_lay(pair: PairProperties) -> bool:
-    """Return whether the contact law suits the lay: parallel grooves need the law of elastic cylinders."""
+    """Return True unless the lay is "grooves" and the contact law is not "hertz-cylinder" (elastic cylinders)."""
     return pair.options.lay != "grooves" or pair.contact_law == "hertz-cylinder"
 
 
@@ -362,13 +359,13 @@ def has_contact_law_with_yield(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with {hardness}, which determines it")
 def has_free_yield_strength(pair: PairProperties) -> bool:
-    """Return whether the yield strength is free, because no hardness is given that only the asperity model uses."""
+    """Return whether a yield strength may be given: without a hardness, or if the half-space model uses a hardness."""
     return pair.options.hardness is None or "half-space" in pair.contact_models
 
 
 @make_condition("needs {mechanics} half-space, or {law} jackson-green with the asperity model")
 def has_contact_model_with_hardness(pair: PairProperties) -> bool:
-    """Return whether a hardness can limit the pressure: in the half-space model, or by the Jackson-Green law."""
+    """Return whether a contact model can use a hardness: the half-space model, or the Jackson-Green contact law."""
     return "half-space" in pair.contact_models or pair.contact_law == JacksonGreen.name
 
 
@@ -392,7 +389,7 @@ def has_work_of_adhesion(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with {interface}, which contains mu0 and tau0")
 def has_no_interface(pair: PairProperties) -> bool:
-    """Return whether mu0 and tau0 are free, because the user gives no interface that determines them."""
+    """Return whether no interface is given, so that the user may set mu0 and tau0."""
     return pair.options.interface is None
 
 
@@ -419,11 +416,11 @@ class FormField:
     place: Literal["scan", "body", "load", "more"] = "more"
     example: str = ""
     default_label: str = ""
-    # Choices in the drop-down list of a form, each with its label.
+    # Values and labels of the choices in the drop-down list of a form.
     choices: tuple[tuple[str, str], ...] = ()
-    # Width of the input field of a form, in characters. 0 stands for the default width.
+    # Width (characters) of the input field of a form, or 0 for the default width.
     size: int = 0
-    # A number without a unit gets this unit.
+    # Unit of a number that the user enters without a unit.
     unit: str = ""
     # Virtual keyboard that a phone shows for the input field of a form.
     keyboard: Literal["", "numeric", "decimal"] = ""
@@ -433,7 +430,7 @@ class FormField:
 class PairOption:
     """Declaration of an option for a measured pair, from which command line, Python, study file and app are built."""
 
-    # Placeholder of an option's value in the help, such as PRESSURE. It is empty for a switch.
+    # Placeholder of an option's value in the help, such as PRESSURE, or an empty text for a switch.
     value: str
     # Help text of an option, in one or two sentences. {name} stands for another option.
     help: str
@@ -873,7 +870,7 @@ def list_option_choices(name: str) -> tuple[str, ...]:
 
 
 _OPTION_ALIASES = {"wavelength": "cutoff"}
-"""Names of options of `pair`, by the name that the same argument has in surface functions."""
+"""Names of `pair` options, by the name of the corresponding argument in functions about surfaces."""
 
 
 def format_command_line_name(name: str) -> str:
@@ -919,7 +916,7 @@ def convert_validation_errors() -> Iterator[None]:
 
 
 def validate_option_values(values: dict[str, object]) -> PairOptions:
-    """Validate the values of options, given by field name, and return them as `PairOptions`.
+    """Validate option values, keyed by field name of `PairOptions`, and return them as `PairOptions`.
 
     Raises an `ArgumentError` if a value is invalid.
     """

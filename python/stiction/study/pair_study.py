@@ -74,7 +74,7 @@ from stiction.surfaces.scale import InstrumentLimit
 from stiction.surfaces.scan_defects import find_scan_defects
 from stiction.surfaces.surface import Surface, as_body
 
-# Default number of relative positions of two profiles. These positions take a few seconds to compute.
+# Default number of relative positions of two profiles, which together take a few seconds to compute.
 DEFAULT_NUM_POSITIONS = 64
 # Number of additional loads, in the two decades below the requested loads, at which adhesive contacts are computed.
 NUM_ADHESION_LOADS = 4
@@ -108,9 +108,9 @@ class MeasuredPair:
         self._check_conditions(OPTION_CHECK_ORDER if reads_scans else ())
 
     def _check_conditions(self, names: Iterable[str]) -> None:
-        """Raise an `ArgumentError` if one of the named options is given although it does not apply to the pair.
+        """Raise an `ArgumentError` if one of the named options is given, but does not apply to the pair.
 
-        The error is about the first such option.
+        The error names the first option that does not apply.
         """
         for name in names:
             if (value := self.options.option_value(name)) is None:
@@ -229,7 +229,7 @@ class MeasuredPair:
         return name
 
     def _build_body_from_array(self, side: str, index: int, heights: Any) -> MeasuredBody:
-        """Convert an array of heights to a profile or height map, with the spacing and unit of the options."""
+        """Convert an array of heights to a profile or height map, with the spacing and the unit that the user gives."""
         spacing: Any = self._select_option_value("spacing", index)
         unit: Any = self._select_option_value("unit", index) or "um"
         if spacing is None:
@@ -287,7 +287,7 @@ class MeasuredPair:
 
     @property
     def contact_models(self) -> tuple[Mechanics, ...]:
-        """Contact models to compute: first the model of the result, and then a model that checks the result."""
+        """Contact models to use: the model for the result and, if the user requests a check, the other model."""
         default: Mechanics = (
             "half-space"
             if self.press_mode != "lines" or self.has_masked_points or self._uses_half_space_for_profiles
@@ -299,7 +299,7 @@ class MeasuredPair:
 
     @property
     def _uses_half_space_for_profiles(self) -> bool:
-        """True if profiles with a hardness use the half-space model, because no asperity option is given."""
+        """True if both bodies are profiles, a hardness is known, and no option of the asperity model is given."""
         asperity_options = (
             self.options.law,
             self.options.yield_strength,
@@ -322,7 +322,7 @@ class MeasuredPair:
 
     @cached_property
     def elasticity(self) -> PairElasticity:
-        """Elastic constants of the pair, from the central values of uncertain constants."""
+        """Elastic constants of the pair; an uncertain constant is represented by its central value."""
         modulus, young, poisson = (
             self._get_central_option_value(name) for name in ("effective_modulus", "young", "poisson")
         )
@@ -379,7 +379,7 @@ class MeasuredPair:
 
     @cached_property
     def half_space_inputs(self) -> Inputs:
-        """Inputs of a half-space contact without adhesion and junction growth, such as mu0, tau0 and hardness.
+        """Inputs for a half-space contact without adhesion or junction growth: mu0, tau0, elasticity and hardness.
 
         If an interface is given, mu0 and tau0 are the medians of the interface.
         """
@@ -432,7 +432,7 @@ class MeasuredPair:
         """
         area = self._nominal_area if any(per_area for _, per_area in self._given_loads) else 1.0
         width_factor = 1.0 if self.options.width is None else PROFILE_WIDTH / self._profile_width
-        # Twelve digits drop the round-off that the conversion of units causes.
+        # Rounding to twelve digits removes the round-off of the unit conversion.
         forces = {
             float(load) if (factor := area if per_area else width_factor) == 1 else float(f"{load * factor:.12g}")
             for load, per_area in self._given_loads
@@ -468,7 +468,7 @@ class MeasuredPair:
 
     @property
     def _profile_width(self) -> float:
-        """Width (µm) across the profiles, over which a load that is given as a force is distributed."""
+        """Width (µm) perpendicular to the profiles, over which a load that is given as a force is distributed."""
         width = self._parse_quantity("width", self.options.width)
         if not width > 0:
             raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.options.width))
@@ -480,7 +480,7 @@ class MeasuredPair:
 
     @cached_property
     def _given_loads(self) -> list[tuple[Quantity, bool]]:
-        """Loads as the user gives them, as pairs: (mN, False) for a force, or (GPa, True) for a pressure."""
+        """Given loads as pairs of number and pressure flag: (mN, False) for a force, or (GPa, True) for a pressure."""
         if not (loads := split_values(self.options.load)):
             raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.options.load))
         reject_decimal_commas("load", self.options.load)
@@ -497,7 +497,7 @@ class MeasuredPair:
 
     @cached_property
     def studies(self) -> list[Study]:
-        """Studies to compute: the study of the result and, on request, a check with the other contact model."""
+        """Studies to compute: the study for the result and, if the user requests a check, one with the other model."""
         contact_sections = [self._build_contact_section(mechanics) for mechanics in self.contact_models]
         load_texts = [exact_quantity_text(load, "mN") for load in self._choose_load_steps(contact_sections).tolist()]
         return [self._build_study(contact | {"load": load_texts}) for contact in contact_sections]
@@ -562,7 +562,7 @@ class MeasuredPair:
         else:
             section["cut_off"] = _sort_unique(self._parse_quantities("cutoff", self.options.cutoff))
         if level is None and self.options.gap is not None and self.options.tilt == "fixed":
-            # The tilt between the faces matters, so only the mean is subtracted.
+            # Only the mean of the gap is subtracted, because the tilt between the faces matters.
             level = "mean"
         if level is not None:
             section["level"] = "plane" if press == "surrogates" and level == "line" else level
@@ -735,9 +735,9 @@ class MeasuredPair:
 
     @property
     def _adhesion_entries(self) -> dict[str, Quantity]:
-        """Entries of the section `[contact]` for adhesion: the work of adhesion and its range.
+        """Entries of the section `[contact]` for adhesion: the work of adhesion, and the range of the attraction.
 
-        Both must be single values, because the contacts are computed only once.
+        The work of adhesion and the range must be single values, because the contacts are computed only once.
         """
         quantities = {}
         for name in ("work_of_adhesion", "adhesion_range"):
@@ -776,7 +776,7 @@ class MeasuredPair:
 
     @property
     def _yield_exponent(self) -> InputValue | None:
-        """Exponent m in the closed form of the area of yielding contacts, or None if the contacts do not yield."""
+        """Exponent m in the closed form for the area of yielding contacts, or None if contacts do not yield."""
         can_yield = self._hardness is not None and not self._adhesion_entries.get("work_of_adhesion")
         if (value := self.options.yield_exponent) is None:
             return parse_input_value("yield_exponent", DEFAULT_YIELD_EXPONENT) if can_yield else None
@@ -815,7 +815,7 @@ class MeasuredPair:
     def _area_loss(self) -> InputValue | None:
         """Fraction of the true area that is lost under shear, or None if no area is lost.
 
-        Soft bodies lose area by default.
+        By default, soft bodies lose area under shear.
         """
         value: Any = self.options.area_loss
         if self._hardness is not None:
@@ -877,7 +877,7 @@ class MeasuredPair:
                     area=self._nominal_area, max_load=max_load,
                 )  # fmt: skip
         loads = self.loads
-        # No result is interpolated between 0 and the smallest other load, so no loads are inserted there.
+        # No results are interpolated between a load of 0 and the next load, so no loads are inserted between the two.
         zero_load_replacements = loads[:1] if self._has_zero_load else []
         regular_loads = loads[len(zero_load_replacements) :] or loads
         num_smaller = NUM_ADHESION_LOADS if self._adhesion_entries.get("work_of_adhesion") else 1
@@ -896,7 +896,7 @@ class MeasuredPair:
             "ensemble": self._build_ensemble_section(),
             "friction": placeholder_friction,
         }
-        # With checksums, the surface settings equal those of the final study, so that both share the cached bodies.
+        # With checksums, the surface settings equal the settings of the final study, so both share cached bodies.
         return find_body_attributes(_validate_study(sections).with_checksums())
 
     @property
@@ -908,14 +908,14 @@ class MeasuredPair:
 
 
 def _build_growth_entry(estimate: UncertainInput) -> InputValue:
-    """Return the study entry for a junction growth: its central value and, if it is uncertain, its range."""
+    """Return the study entry for a junction growth factor: the central value and, if it is uncertain, the range."""
     if estimate.is_exact:
         return parse_input_value("junction_growth", estimate.value)
     return parse_input_value("junction_growth", f"{estimate.value:.6g} ({estimate.text})")
 
 
 def _validate_study(sections: dict[str, Any]) -> Study:
-    """Build a study from the contents of its sections.
+    """Validate the sections of a study, and return the study.
 
     If the value of an option is invalid, an `ArgumentError` with the name of the option is raised.
     """
@@ -931,7 +931,7 @@ def _validate_study(sections: dict[str, Any]) -> Study:
 def _find_option(key: str) -> str | None:
     """Return the name of the option that sets a study key such as "friction.mu0[0]".
 
-    Return None if no option does.
+    Returns None if no option sets the key.
     """
     key = key.partition("[")[0]
     last_part = key.rpartition(".")[2]
@@ -960,7 +960,7 @@ def _split_at_commas(value: Any) -> Any:
 
 
 def _list_scans(side: str, scan_input: Any) -> list[Any]:
-    """Return the scans of a body as a list, from a list, a directory, file names with commas, or a single scan."""
+    """Return a list of a body's scans, given as a list, a directory, comma-separated file names, or a single scan."""
     if isinstance(scan_input, (str, Path)) and "\0" in str(scan_input):
         raise ArgumentError(
             f"{{{side}}} must be a path of printable characters, got {{got}}", got=repr(str(scan_input))
@@ -984,7 +984,7 @@ def _list_scans(side: str, scan_input: Any) -> list[Any]:
 
 
 def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | NoiseHiddenInSpectrum | None:
-    """Return the wavelengths that are, or may hide, instrument noise; None if noise affects the slope only slightly."""
+    """Return the instrument limit of a scan, or hidden noise (or None) if wavelengths below the limit hardly matter."""
     body = scan.read()
     if isinstance(body, JoinedSpectrum) or body.is_flat:
         return None

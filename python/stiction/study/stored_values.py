@@ -51,7 +51,7 @@ class VariableSpec:
     bounds: tuple[float, float] = ANY_STORED_VALUE
     may_be_nan: bool = False
     is_required: bool = True
-    # The numbers of a stored variable increase strictly along this dimension, unless it is empty.
+    # Name of the dimension along which the numbers of a stored variable increase strictly. It may be empty.
     ascending_dim: str = ""
 
 
@@ -66,7 +66,7 @@ class AttributeSpec:
     is_required: bool = True
 
     def encode(self, value: Any) -> Any:
-        """Convert an attribute to the form in which a file stores it: text, or a one-dimensional array."""
+        """Convert an attribute to the form in which files store attributes: text, or a one-dimensional array."""
         return str(value) if self.dtype is str else np.atleast_1d(np.asarray(value, self.dtype))
 
 
@@ -74,7 +74,7 @@ def check_values(
     name: str, values: NDArray[Any], *, dtype: type = float, bounds: tuple[float, float] = ANY_STORED_VALUE,
     may_be_nan: bool = False,
 ) -> tuple[float, bool]:  # fmt: skip
-    """Raise a `DamagedFileError` if the numbers of a stored variable have the wrong type or exceed their bounds.
+    """Raise a `DamagedFileError` if a stored variable has numbers of the wrong type or outside the bounds.
 
     Returns the smallest finite number, or infinity if there is none, and whether a number is NaN.
     """
@@ -144,7 +144,7 @@ def check_increase(name: str, values: NDArray[Any], axis: int = 0) -> None:
 
 
 def check_missing_values(name: str, values: NDArray[Any], is_missing: NDArray[np.bool_]) -> None:
-    """Raise a `DamagedFileError` unless a contact sum is NaN at the loads without a solution, and nowhere else.
+    """Raise a `DamagedFileError` unless a sum over contacts is NaN at all loads without a solution, and at no others.
 
     `is_missing` has the shape (..., loads), and `values` may have further axes before the last.
     """

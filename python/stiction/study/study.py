@@ -96,7 +96,7 @@ _LEADING_KEYS = (
 
 _STUDY_LIBRARY_DIRECTORY = resources.files("stiction.study") / "library"
 DEFAULT_SEED = 2016
-# Dotted key in which two studies differ, and its TOML value in each study.
+# Difference between two studies: dotted key, and the TOML value of the key in each study.
 StudyDifference = tuple[str, str, str]
 MAX_LISTED_DIFFERENCES = 4
 
@@ -120,7 +120,7 @@ The first class is the default.
 
 
 def select_surface_settings_class(section: Mapping[str, Any]) -> type[SurfaceSettings]:
-    """Return the class of a section `[surfaces]`, which its keys `kind`, `generator` and `press` select."""
+    """Return the class for a section `[surfaces]`, selected by its keys `kind`, `generator` and `press`."""
     key, settings_classes = _SURFACE_CLASSES_BY_KIND[select_key_value("kind", section, _SURFACE_CLASSES_BY_KIND)]
     return settings_classes[select_key_value(key, section, settings_classes)]
 
@@ -133,7 +133,7 @@ LOADS_DESCRIPTION = "Normal loads of the results; `contact.load` contains these 
 
 
 class GeneratedSurfaceFrictionSettings(SettingsSectionVariant):
-    """Section `[friction]` for generated surfaces: mu0 and tau0 for which figures are drawn."""
+    """Base class of sections `[friction]` for generated surfaces: mu0 and tau0, for which figures are drawn."""
 
     place: ClassVar[str] = "generated surfaces"
     wait: ClassVar[tuple[Quantity, ...]] = ()
@@ -145,7 +145,7 @@ class GeneratedSurfaceFrictionSettings(SettingsSectionVariant):
 
 
 class AsperityFrictionSettings(GeneratedSurfaceFrictionSettings):
-    """Section `[friction]` for generated surfaces in the asperity model: mu0 and tau0 for which figures are drawn."""
+    """Section `[friction]` for generated surfaces in the asperity model: mu0 and tau0 for figures, without loads."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
     load: ClassVar[tuple[Quantity, ...]] = ()
@@ -188,7 +188,7 @@ STRENGTH_KEYS = ("mu0", "tau0")
 
 
 def _add_interface_strength(section: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return a section `[friction]` with mu0 and tau0 of the interface that the section names."""
+    """Complete a section `[friction]` with the mu0 and tau0 of the interface that the section names."""
     if (source := section.get("interface")) is None:
         return section
     for key in STRENGTH_KEYS:
@@ -201,7 +201,7 @@ def _add_interface_strength(section: Mapping[str, Any]) -> Mapping[str, Any]:
             else InterfaceSettings.model_validate(source)
         )
     except ValidationError:
-        # The error occurs if the interface is invalid, which its own validation reports.
+        # An invalid interface is reported by the validation of the interface.
         return {**section, "mu0": [0.0]}
     except ValueError as error:
         raise make_key_error("interface", str(error).removeprefix("interface ")) from None
@@ -262,7 +262,7 @@ class FigureSettings(SettingsSection):
 def _add_bracketing_loads(
     surfaces: Mapping[str, Any], contact: Mapping[str, Any], friction: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return sections `[contact]` and `[friction]` with a load below and a load above the requested loads.
+    """Return sections `[contact]` and `[friction]` with two loads added: one below and one above the requested loads.
 
     This applies to generated surfaces in the half-space model. Returns an empty dictionary if no loads are requested,
     if the study has its own load curve, or if a section is invalid.
@@ -283,10 +283,10 @@ def _add_bracketing_loads(
         highest_load = max(loads) * MAX_AREAL_LOAD_RATIO
         if contact.get("hardness") is not None:
             max_load = float(quantity(contact["hardness"], "pressure")) * _compute_nominal_area(surfaces)
-            # The validation of the section rejects an upper load that is still too large.
+            # If the upper load is still too large, the validation of the section rejects this load.
             highest_load = min(highest_load, max(loads) * max(math.sqrt(max_load / max(loads)), 1.001))
     except (ValueError, TypeError, AttributeError):
-        # The errors occur if values are invalid, which the validation of the section reports.
+        # Invalid entries are reported by the validation of the section.
         return {}
     bracketing_loads = [
         exact_quantity_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / MAX_AREAL_LOAD_RATIO, highest_load)
@@ -304,7 +304,7 @@ def _compute_nominal_area(surfaces: Mapping[str, Any]) -> float:
 
 
 def _build_empty_section() -> Any:
-    """Return an empty section, which validation replaces by a section with defaults that suit the surfaces."""
+    """Return an empty section as a placeholder, which validation replaces by a section with defaults."""
     return {}
 
 
@@ -332,7 +332,7 @@ class Study(SettingsSection):
     @model_validator(mode="before")
     @classmethod
     def _add_loads_for_interpolation(cls, data: Any) -> Any:
-        """Add loads below and above the requested loads, between which results at the requested loads are interpolated.
+        """Add loads below and above the requested loads, between which results can be interpolated.
 
         The requested loads are `friction.load`. For generated surfaces with the half-space, a list `contact.load` is
         used if `friction.load` is missing.
@@ -354,7 +354,7 @@ class Study(SettingsSection):
             loads = [float(quantity(load, "force")) for load in friction["load"]]
             curve_loads = choose_load_steps(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
         except (ValueError, TypeError):
-            # The errors occur if the loads are invalid, which the validation of the section reports.
+            # Invalid loads are reported by the validation of the section.
             return data
         return {
             **data,
@@ -432,7 +432,7 @@ class Study(SettingsSection):
         return self
 
     def _require_exact_inputs(self) -> None:
-        """Raise an error if an input of generated surfaces is uncertain.
+        """Raise a `ValueError` if an input in the section `[contact]` of generated surfaces is uncertain.
 
         The intervals of such a study would not include the uncertainty.
         """
@@ -452,9 +452,9 @@ class Study(SettingsSection):
 
     @property
     def pair_checksum(self) -> str:
-        """Checksum of surfaces, positions, and central values of E* and hardness.
+        """Checksum of a tested pair: surfaces, ensemble, contact model, E*, hardness, indentation depth, and adhesion.
 
-        It does not depend on paths, loads or friction, so that `calibrate` recognizes a tested pair.
+        The checksum does not depend on paths, loads or friction, so that `calibrate` recognizes a tested pair.
         """
         sections: dict[str, Any] = {name: drop_none_entries(getattr(self, name)) for name in ("surfaces", "ensemble")}
         contact = self.contact
@@ -497,7 +497,7 @@ class Study(SettingsSection):
         return self.contact.step_quantity
 
     def contact_sum_names(self) -> tuple[str, ...]:
-        """Return the names of the contact sums that a result stores for each member and loading step."""
+        """Return the names of the sums over contacts that a result stores for each surface pair and loading step."""
         if self.uses_half_space:
             adhesion_names = ADHESION_QUANTITIES if self.contact.adheres else ()
             yielding_names = YIELDING_QUANTITIES if self.contact.yield_exponent is not None else ()
@@ -507,7 +507,7 @@ class Study(SettingsSection):
         return SUM_QUANTITIES + (AREAL_SUM_QUANTITIES if self.is_areal else ()) + approach_names + onset_names
 
     def motion_coordinates(self) -> dict[str, list[Any]]:
-        """Return the coordinates of a result for the motion: sliding rules, and directions in degrees."""
+        """Return the coordinates of motion in a result: sliding rules, and directions in degrees."""
         return self.contact.motion_coordinates()
 
     def with_checksums(self, folder: Path | None = None) -> Study:
@@ -601,7 +601,7 @@ class Study(SettingsSection):
         return format_toml_sections(self._to_sections())
 
     def _convert_base_sections(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-        """Return the sections of the study, converted to the classes that a change of some keys requires."""
+        """Return the sections of the study, converted if a changed key such as `kind` selects another section class."""
         sections = self._to_sections()
         selectors = {
             key: changes.get(f"{section}.{key}", sections[section].get(key)) for section, key in _DISCRIMINATOR_KEYS
@@ -611,7 +611,7 @@ class Study(SettingsSection):
             surfaces = select_surface_settings_class(selectors)
             contact = select_contact_settings_class(surfaces, selectors)
         except PydanticCustomError:
-            # The error occurs if the value is invalid, which the validation of its key reports.
+            # An invalid entry of a key is reported by the validation of the key.
             return sections
         sections["surfaces"] = _convert_section(self.surfaces, surfaces)
         sections["contact"] = _convert_section(self.contact, contact)
@@ -621,9 +621,9 @@ class Study(SettingsSection):
         return sections
 
     def _remove_replaced_entries(self, sections: Mapping[str, dict[str, Any]], changes: Mapping[str, Any]) -> None:
-        """Remove the keys of `[contact]` and `[friction]` that a changed key replaces.
+        """Remove keys from `[contact]` and `[friction]` that would contradict a key in `changes`.
 
-        E* replaces Young's moduli, but not the compliance share, and Young's moduli replace both. An interface replaces
+        E* replaces Young's moduli, but not `compliance_share`, and Young's moduli replace both. An interface replaces
         mu0 and tau0; a change of mu0 or tau0 replaces the interface, but not the other parameter.
         """
         contact, friction = sections["contact"], sections["friction"]
@@ -644,11 +644,11 @@ class Study(SettingsSection):
     def _remove_dependent_loads(
         self, sections: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool
     ) -> None:
-        """Remove loads from a study of generated surfaces if they would contradict the loads that change.
+        """Remove loads from a study of generated surfaces that would contradict the loads in `changes`.
 
         `friction.load` is removed if `contact.load` changes, or if the changed study has no `friction.load`. Otherwise,
-        `contact.load` is removed if it has two loads more than `friction.load`, because the validation added these two
-        and will add two that enclose the changed loads.
+        `contact.load` is removed if it has two loads more than `friction.load`, because validation added two loads, and
+        will add two loads that enclose the changed loads.
         """
         if "contact.load" in changes or not is_allowed:
             sections["friction"].pop("load", None)
@@ -664,7 +664,7 @@ class Study(SettingsSection):
 
 
 def _convert_section(section: SettingsSection, target_class: type[SettingsSection]) -> dict[str, Any]:
-    """Convert a section of a study to the class of another variant of the section.
+    """Return the keys and values of a section, converted to the keys and defaults of another section class.
 
     Keys that differ from the default of the old class keep their values.
     """
@@ -678,7 +678,7 @@ def _convert_section(section: SettingsSection, target_class: type[SettingsSectio
 
 
 def drop_none_entries(section: SettingsSection) -> dict[str, Any]:
-    """Return the keys and values of a section in the order of study files, without keys whose value is None."""
+    """Return a section as a dictionary in the order of study files, without keys whose value is None."""
     data = section.model_dump(exclude_none=True)
     key_order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
     if isinstance(section, ContactSettingsForMeasuredMaps):
@@ -687,7 +687,7 @@ def drop_none_entries(section: SettingsSection) -> dict[str, Any]:
 
 
 def _replace_paths_by_checksums(value: Any) -> Any:
-    """Return nested entries of a study, in which a checksum replaces the path or the loaded body of a scan."""
+    """Copy nested study entries, without the file path and the loaded body of each scan that has a checksum."""
     if isinstance(value, Mapping):
         ignored_keys = ("file", "body") if "sha256" in value else ()
         return {key: _replace_paths_by_checksums(item) for key, item in value.items() if key not in ignored_keys}
@@ -750,7 +750,7 @@ def find_section_differences(
     serialized, differences = (first_section.model_dump(), second_section.model_dump()), []
     for name in dict.fromkeys((*type(first_section).model_fields, *type(second_section).model_fields)):
         field = type(first_section).model_fields.get(name) or type(second_section).model_fields[name]
-        # A body in memory is compared by its checksum, so its field is skipped.
+        # A field without `repr` contains a body in memory. Bodies are compared by their checksums, in another field.
         if not field.repr:
             continue
         first_value, second_value = getattr(first_section, name, None), getattr(second_section, name, None)
@@ -768,9 +768,9 @@ def find_section_differences(
 
 
 def find_member_differences(first_study: Study, second_study: Study) -> list[StudyDifference]:
-    """List the keys that affect the members and differ between two studies, each with both values.
+    """List the keys that affect the members and have different values in two studies, with both values.
 
-    Members depend on the central values of inputs, but not on their ranges. They do not depend on the section
+    Members depend on the central values of inputs, but not on the ranges. Members do not depend on the section
     `[friction]`, on the area loss under shear, on the depth of the indentation, on figures, or on file paths. If bodies
     yield, the stored elastic areas serve every exponent of the yielding area.
     """
@@ -792,7 +792,7 @@ def find_member_differences(first_study: Study, second_study: Study) -> list[Stu
 
 
 def _have_equal_central_values(first_study: Study, second_study: Study, key: str) -> bool:
-    """Return whether a study key sets an input whose central value is the same in two studies."""
+    """Return whether a study key sets an input, such as hardness, to equal central values in both studies."""
     section, _, name = key.partition(".")
     values = [getattr(getattr(study, section), name, None) for study in (first_study, second_study)]
     inputs = [value if isinstance(value, tuple) else (value,) for value in values]
@@ -822,7 +822,7 @@ def parse_study(text: str, source: str) -> Study:
         raise StudyError(
             f"{printable_path(source)}: the text is not valid TOML: {printable_text(error, MAX_PATH_LENGTH)}"
         ) from None
-    # An empty file is a mistake, although all keys have defaults.
+    # An empty study file is a mistake, although all keys have defaults.
     if not data:
         raise StudyError(f"{printable_path(source)} is empty, so it is not a study")
     return validate_section(Study, convert_old_study(data, source), source)

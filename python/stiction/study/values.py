@@ -55,7 +55,7 @@ read_length = _make_quantity_parser("length")
 
 
 def format_quantities(value: Any) -> Any:
-    """Format quantities and numbers as text, also inside tuples.
+    """Format a quantity or a floating-point number as text, and a tuple as a tuple of such texts.
 
     Other values are returned unchanged.
     """
@@ -195,7 +195,7 @@ class SettingsSection(BaseModel):
         except ValidationError as error:
             raise _convert_validation_errors(type(self), error, "") from None
 
-    # With this attribute, pydantic bypasses the constructors of nested sections, so one error lists all faults.
+    # This attribute makes pydantic validate nested sections without constructors, so that one error lists all faults.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
 
@@ -205,12 +205,12 @@ class SettingsSectionVariant(SettingsSection):
     Each variant is a class with its own keys.
     """
 
-    # Error messages call a section variant by this name, such as "measured surfaces".
+    # Name of the section variant in error messages, such as "measured surfaces".
     place: ClassVar[str]
 
     @classmethod
     def selectors(cls) -> dict[str, Any]:
-        """Return the keys by which a section selects this variant, each with the value that the variant requires."""
+        """Return the keys that select this variant of a section, such as `kind`, each with the required value."""
         return {
             key: field.default for key, field in cls.model_fields.items() if get_origin(field.annotation) is Literal
             and get_args(field.annotation) == (field.default,)
@@ -255,7 +255,7 @@ class _ValueRange(SettingsSection):
         return self
 
     def values(self) -> Floats:
-        """Compute the numbers of the range in core units."""
+        """Compute the equally spaced numbers of the range in core units."""
         return np.linspace(float(self.start), float(self.stop), self.count)
 
 
@@ -267,7 +267,7 @@ class FractalDimensionRange(_ValueRange):
 
 
 class _SteppedValueRange(_ValueRange):
-    """Range of quantities with equal differences (linear) or equal ratios (geometric) of neighbours."""
+    """Range of quantities with equal differences (linear) or equal ratios (geometric) between successive quantities."""
 
     spacing: Literal["linear", "geometric"] = "geometric"
 
@@ -278,7 +278,7 @@ class _SteppedValueRange(_ValueRange):
         return self
 
     def values(self) -> Floats:
-        """Compute the quantities of the range in core units (µm or mN)."""
+        """Compute the linearly or geometrically spaced quantities of the range in core units (µm or mN)."""
         if self.spacing == "linear":
             return super().values()
         return np.geomspace(float(self.start), float(self.stop), self.count)
@@ -298,7 +298,7 @@ class LoadRange(_SteppedValueRange):
     stop: Force
 
 
-# A value is tagged as a range or a list before validation, so that errors mention only the form in the file.
+# A value is tagged as a range or a list before validation, so that error messages mention only the form in the file.
 RANGE_TAG, LIST_TAG = "a range", "a list"
 
 
@@ -333,7 +333,7 @@ def to_value_array(values: _ValueRange | tuple[float, ...]) -> Floats:
 def check_keys(
     section: Mapping[Any, Any], case: type[SettingsSectionVariant], shared: Sequence[type[SettingsSectionVariant]]
 ) -> None:
-    """Raise an error if a section contains a key of another variant, or if a required key is missing.
+    """Raise an error if a section has a key that only another variant has, or lacks a required key.
 
     `shared` lists base classes whose keys several variants have. Messages name these classes by their `place`.
     """
@@ -415,7 +415,7 @@ def parse_toml(text: str) -> dict[str, Any]:
 
     Raises a `ValueError` if the text is invalid or nested too deeply.
     """
-    # The run time of tomllib increases with the square of the number of dots in a key.
+    # A key with many dots is rejected, because the run time of tomllib increases with the square of the number of dots.
     text_pieces = re.split(r"([=,#{}\[\]\n])", text)
     key_texts = [piece for piece, separator in itertools.pairwise(text_pieces) if separator in ("=", "]")]
     if any(key_text.count(".") > MAX_KEY_DOTS for key_text in key_texts):
@@ -461,7 +461,7 @@ _ERROR_MESSAGE_TEMPLATES = {
 
 
 def _convert_validation_error(section_class: type[SettingsSection], fault: ErrorDetails) -> tuple[str, str]:
-    """Return the invalid key and a message about its value, for an error that pydantic reports."""
+    """Return the invalid key and an error message, converted from an error that pydantic reports about a section."""
     location = [key_part for key_part in fault["loc"] if key_part not in (RANGE_TAG, LIST_TAG)]
     key = "".join(
         f"[{key_part}]" if isinstance(key_part, int) else f".{key_part}" for key_part in location

@@ -48,12 +48,12 @@ Severity = Literal["caution", "fault"]
 YIELD_PRESSURE_RATIO, METAL_YIELD_PRESSURE_RATIO = 1 / 20, 1 / 100
 """Ratios of mean contact pressure to E* above which every material (first) and most metals (second) have yielded."""
 
-# Minimum number of contacts in all members together for which a mean is quoted.
+# A mean is reported only if all members together have at least this number of contacts.
 MIN_TOTAL_CONTACTS = 10
 MIN_CONTACTS_PER_MEMBER, MIN_CONTACTS_PER_MEMBER_WITHOUT_CAVEAT = 5, 10
 """Minimum mean numbers of contacts per member for quoting a coefficient, and for quoting it without a caveat."""
 
-# Largest fraction of the load that a single contact may carry if the coefficient is quoted.
+# A coefficient is reported only if no single contact carries more than this fraction of the load.
 MAX_LOAD_FRACTION_ON_CONTACT = 0.5
 MAX_LOAD_FRACTION_AT_EDGE_WITHOUT_CAVEAT = 0.25
 MAX_LOAD_FRACTION_ON_CONTACT_WITHOUT_CAVEAT = 0.4
@@ -62,7 +62,7 @@ MAX_LOAD_FRACTION_ON_CONTACT_WITHOUT_CAVEAT = 0.4
 MIN_MERGED_AREA_FRACTION = 0.3
 # A problem causes a caveat if it affects more than this fraction of the load, the members or the scan length.
 MAX_AFFECTED_FRACTION = 0.5
-# Largest fraction of interpolated points in a scan without a caveat.
+# A scan gets a caveat if more than this fraction of its points is interpolated.
 MAX_INTERPOLATED_FRACTION = 0.02
 MAX_SCATTERED_MISSING_FRACTION = 0.02
 """Largest fraction of scattered missing points for which there is no caveat about holes in contacts."""
@@ -70,17 +70,17 @@ MAX_AREA_LOSS_PER_HOLE = 1.3
 """Largest relative loss of A/A0 through scattered missing points, divided by the fraction of these points.
 
 Elastic contacts that are much larger than the holes lose the fraction of points that are missing in either map. If 30 %
-of both maps are missing at random, this is 1.3 times the fraction of points that are missing between measured points.
-With 10 and 30 % missing, pairs with 10 to 200 points in contact lost 0.6 to 1.1 times that fraction on average.
+of both maps are missing at random, the loss is 1.3 times the fraction of points that are missing between measured
+points. With 10 and 30 % missing, pairs with 10 to 200 points in contact lost 0.6 to 1.1 times that fraction on average.
 """
 MIN_DRIFT_EFFECT = 0.02
 """Relative standard error of the coefficient due to roughness drift above which the result has a caveat."""
-# Largest ratio of the grid spacings of two scans without a caveat.
+# Two scans get a caveat if the ratio of their grid spacings exceeds this number.
 MAX_SPACING_RATIO = 3.0
 
 # The interface counts as nearly as strong as the bulk above this ratio of τ0 to H/√α.
 NEARLY_BULK_STRENGTH_RATIO = 0.7
-# Largest fraction of input samples without an upper limit of friction for which the interval has an upper limit.
+# The interval has no upper limit if friction has no upper limit in more than this fraction of the input samples.
 MAX_UNLIMITED_SAMPLE_FRACTION = 0.025
 MIN_UNLIMITED_SAMPLE_FRACTION = 0.01
 """Fraction of input samples without an upper limit of friction above which the result has a caveat.
@@ -112,7 +112,7 @@ docs/explanation/adhesion.md describes the fit.
 
 # A coefficient counts as equal to mu0 if it differs from mu0 by at most this fraction.
 MAX_DEVIATION_FROM_MU0 = 0.02
-# Factor that raises ties such as 2.25, so that they round up as in the report.
+# Factor by which a number such as 2.25 is raised, so that it rounds up as in the report.
 ROUND_UP_FACTOR = 1 + 1e-12
 MAX_RELATIVE_HALF_WIDTH = 0.5
 
@@ -129,9 +129,9 @@ class Caveat:
     has_second_cutoff: bool = False
     """True if the interval covers the results with and without the wavelengths that cause the caveat."""
     name: str = ""
-    """Name of the number that exceeds its limit, often a quantity; "" if the caveat is not due to a limit."""
+    """Name of the number (often a quantity) that exceeds a limit; "" if the caveat has another cause."""
     value: float = field(default=math.nan, compare=False)
-    """The number that exceeds its limit, in core units."""
+    """Number that exceeds the limit, in core units (µm, mN, GPa)."""
     limit: float = field(default=math.nan, compare=False)
     """Limit that the number exceeds."""
     interval_note: str = ""
@@ -139,7 +139,7 @@ class Caveat:
 
 
 class LimitCheck(NamedTuple):
-    """Check of a number against an upper limit, with the text and the remedy of the caveat for a failed check.
+    """Check of a number against an upper limit, with text and remedy of the caveat that a failed check causes.
 
     In the text of the caveat, {} stands for the number named `about`.
     """
@@ -151,18 +151,18 @@ class LimitCheck(NamedTuple):
     severity: Severity = "fault"
     # Key of the number's format in the dict that `list_number_formats` returns.
     shown: str = "digits"
-    # Name of the number in the text, if it differs from the number that is compared with the limit.
+    # Name of the number that the text states, if the check compares another number with the limit.
     about: str = ""
 
     @property
     def shown_name(self) -> str:
-        """Name of the number that the text of the caveat contains: `about` or, by default, the checked number."""
+        """Name of the number that the caveat shows: `about`, or the checked number (`name`) if `about` is empty."""
         return self.about or self.name
 
     def to_caveat(self, numbers: Mapping[str, Any]) -> Caveat:
         """Return the caveat of a failed check.
 
-        Its text contains the number that is compared, or a related number.
+        The text of the caveat contains the number that is compared, or a related number.
         """
         value, checked_number = (float(numbers[name]) for name in (self.shown_name, self.name))
         number_text = format_number(value * ROUND_UP_FACTOR, self.shown).replace("-", "\N{MINUS SIGN}")
@@ -207,7 +207,7 @@ STATUS_EXPLANATIONS = {
 }
 """Meaning of, and remedy for, each status of a result point without a coefficient or without an upper limit."""
 
-# This check reports that the interval of the mean is too wide.
+# Name of the check that the interval of the mean is not too wide.
 WIDE_INTERVAL_CHECK_NAME = "half_width"
 
 SINGLE_POSITION_CHECK = LimitCheck(
@@ -278,7 +278,7 @@ NO_COEFFICIENT_CAVEAT = Caveat(
 
 
 def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
-    """Return the group of checks of a coefficient and its interval; only the first failed check is reported."""
+    """Return the checks of the mean coefficient and its interval; at most the first failed check is reported."""
     if study.is_gap:
         return (SINGLE_POSITION_CHECK,)
     members = study.member_names.plural
@@ -298,7 +298,7 @@ def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
 
 
 def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
-    """Return the group of checks for too few contacts; only the first failed check is reported."""
+    """Return the checks for too few contacts and for a dominant contact; at most the first failed check is reported."""
     member, members = study.member_names
     total_text = f"all {members} together have fewer than {MIN_TOTAL_CONTACTS} contacts, on average {{}} per {member}"
     total_remedy = f"use a higher load, larger surfaces or more {members}"
@@ -322,7 +322,7 @@ def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
 
 
 def _build_contact_checks(study: Study) -> CheckGroups:
-    """Return groups of checks at a result point: first a check of the pull-off force, then checks of the contacts."""
+    """Return the groups of checks of a result point: one group for the pull-off force, then groups for the contacts."""
     text = "the pull-off force is a lower bound"
     # Two faces that are given by their gap have only one relative position.
     if not study.is_gap:
@@ -333,7 +333,7 @@ def _build_contact_checks(study: Study) -> CheckGroups:
 
 
 def _build_status_caveat(status: str, study: Study) -> Caveat:
-    """Return the caveat for the status of a result point that lacks a coefficient or an upper limit."""
+    """Return the caveat about a result point that has no coefficient, or whose coefficient has no upper limit."""
     other_explanation = "there is no coefficient", f"check how many {study.member_names.plural} have a coefficient"
     return Caveat(*STATUS_EXPLANATIONS.get(status, other_explanation), "fault")
 
@@ -381,9 +381,9 @@ def find_point_caveats(
 
 
 def find_smallest_check_limit(name: str, study: Study) -> float | None:
-    """Return the lowest limit among the contact checks of the named number.
+    """Return the lowest limit among the contact checks of the quantity `name`.
 
-    Returns None if no check has this number.
+    Returns None if no check compares this quantity.
     """
     check_groups = (_build_contact_count_checks(study), *_build_contact_checks(study))
     return min((check.limit for group in check_groups for check in group if check.name == name), default=None)
@@ -403,7 +403,7 @@ def compute_checked_quantities(
     value: ArrayLike, lower: ArrayLike, upper: ArrayLike, *, mu0: ArrayLike, tau0: ArrayLike, pressure: ArrayLike,
     contact_count: ArrayLike, members: float, is_merged: ArrayLike,
 ) -> dict[str, Any]:  # fmt: skip
-    """Compute the numbers that are checked against limits, by name, each as an array over result points.
+    """Compute the quantities that checks compare with limits, as arrays over result points, keyed by name.
 
     `is_merged` is True where contacts have merged over much of the nominal area. Merged contacts are few, but each
     merged contact averages over many asperities.
@@ -429,7 +429,7 @@ def compute_checked_quantities(
 
 
 def list_contact_check_names(study: Study) -> list[str]:
-    """Return the names of the checked numbers that describe contacts, pull-off force and rms gradient."""
+    """Return the names of the quantities that contact checks compare with limits, including the rms gradient."""
     check_groups = ([STEEP_SURFACE_CHECK], _build_contact_count_checks(study), *_build_contact_checks(study))
     return list(dict.fromkeys(check.name for group in check_groups for check in group))
 
@@ -437,7 +437,7 @@ def list_contact_check_names(study: Study) -> list[str]:
 def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> dict[str, Any]:
     area, count = mean_over_directions(point, "contact_area"), mean_over_directions(point, "contact_count")
     spacings = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
-    # Area (µm²) of a grid cell for height maps in the half-space model. It is NaN for other studies.
+    # Area (µm²) of a grid cell for height maps in the half-space model, or NaN for other studies.
     cell_area = float(np.prod(spacings)) if spacings.size == 2 and study.uses_half_space else math.nan
     quantities = {name: mean_over_directions(point, name) for name in list_contact_check_names(study)}
     is_merged = _compute_area_fraction(point, study) > MIN_MERGED_AREA_FRACTION
@@ -459,7 +459,7 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: Sliding
 def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
     """Return checks that compare the mean contact pressure with the pressure at which the bodies would yield.
 
-    The limits are the hardness of the softer body or, if it is unknown, typical fractions of E*. Returns no checks if
+    The limits are the hardness of the softer body or, without a hardness, typical fractions of E*. Returns no checks if
     the contact model limits the pressure, or if the effective modulus (GPa) is so small that the bodies are probably
     rubber or gels.
     """
@@ -507,7 +507,7 @@ def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
 def assess_ensemble_points(
     study: Study, status: NDArray[Any], numbers: Mapping[str, Any], unloaded_mask: NDArray[np.bool_]
 ) -> tuple[list[list[Caveat | LimitCheck]], NDArray[np.intp]]:
-    """Return the caveats of each result point of generated bodies, from its status and the numbers that are checked.
+    """Return the caveats and the failed checks at each result point of a study of generated surfaces.
 
     For a single direction of motion, the reasons are the caveats of `find_point_caveats`. For several directions, each
     direction is assessed, whereas `find_point_caveats` assesses their mean. The arrays have equal shapes;
@@ -542,7 +542,7 @@ def assess_ensemble_points(
     value_checks = (_build_value_checks(study), *pressure_checks, [COEFFICIENT_EQUALS_MU0_CHECK])
     add_failed_checks((*value_checks, _build_contact_count_checks(study)), has_value)
     add_failed_checks(_build_contact_checks(study), has_value | unloaded_mask)
-    # Each combination of caveats is encoded as one number, because sorting rows of numbers takes much longer.
+    # Each combination of caveats is encoded as one integer, because sorting integers is much faster than sorting rows.
     codes = np.zeros(status.shape, np.intp)
     for indices in reason_numbers:
         codes = codes * (len(reasons) + 1) + indices
@@ -561,7 +561,7 @@ def assess_caveats(reasons: Iterable[Caveat | LimitCheck]) -> str:
 
 
 def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> Iterator[Caveat]:
-    """Yield caveats about neglected junction growth, and about interfaces that are stronger than the softer body."""
+    """Yield caveats about junction growth that is neglected, unlike in the calibration, or makes friction unlimited."""
     hardness = study.contact.hardness
     if hardness is None or not (mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS):
         return
@@ -596,7 +596,7 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> It
         f"body; junction growth, which is taken as 0, {effect_text}"
     )
     remedy = "use --junction-growth slip-line"
-    # In the model, contacts with adhesion do not grow under shear.
+    # In the model, adhesive contacts do not grow under shear.
     if study.contact.adheres:
         remedy = "compare with the pair without --adhesion, whose contacts grow"
     yield Caveat(text, remedy, "caution")
@@ -675,7 +675,7 @@ def _find_caveats_about_unlimited_friction(
             + ("; the interval has no upper limit" if unlimited_fraction > MAX_UNLIMITED_SAMPLE_FRACTION else "")
         )
         severity: Severity = "fault" if unlimited_fraction > MAX_UNLIMITED_SAMPLE_FRACTION else "caution"
-        # A smaller load can help: contacts yield at the same pressure, but do not grow over the whole nominal area.
+        # A smaller load can help: contacts yield at the same pressure, but no longer grow over the whole nominal area.
         is_load_limited = not growth.uses_slip_lines and strength_ratio < 1
         remedy = "measure the hardness, and determine μ0 and τ0 with stiction calibrate"
         yield Caveat(text, remedy + (", or reduce the load" if is_load_limited else ""), severity)
@@ -689,7 +689,7 @@ def _find_caveats_about_unlimited_friction(
 
 
 def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield caveats about neglected or unresolved adhesion, and about an attraction whose uncertainty is left out."""
+    """Yield caveats about neglected adhesion, an adhesion range below the grid resolution, or omitted uncertainty."""
     if not study.contact.adheres:
         added_load = estimate_adhesion_load_ratio(point, study)
         # The asperity model always neglects adhesion, so there is a caveat only if adhesion would double the load.
@@ -729,7 +729,7 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
 
 
 def estimate_adhesion_load_ratio(point: xarray.Dataset, study: Study) -> float:
-    """Return the load that adhesion of typical strength would add to the contacts, divided by the applied load.
+    """Return the load that a typical work of adhesion would add to the contacts, divided by the applied load.
 
     The attraction per area w/ρ acts on the true area A, and on a rim around contacts of width d = (A/n)^(1/2) in which
     the gap is below the range ρ. The gap opens as in Pastewka & Robbins (PNAS 111 (2014) 3298), so that the ratio is
@@ -769,7 +769,7 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
         yield Caveat(text, "scan both bodies with similar spacings", "caution")
     count = mean_over_directions(point, "contact_count")
     mean_contact_area = mean_over_directions(point, "contact_area") / count if count > 0 else math.nan
-    # If the gap is given, it is a single map or profile. Its points are checked instead of those of two bodies.
+    # A given gap is a single map or profile, whose points are checked instead of the points of two bodies.
     for side, name in [("upper", "gap")] if study.is_gap else zip(body_sides, body_sides, strict=True):
         interpolated_fraction, largest_gap = np.asarray(point.attrs.get(f"{side}_filled", (0.0, 0.0))).tolist()
         if interpolated_fraction > MAX_INTERPOLATED_FRACTION or largest_gap > mean_contact_area:
@@ -804,7 +804,7 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
 def _find_drift_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
     """Yield a caveat for each body with one scan, if the drift of its roughness along the scan affects friction.
 
-    The part of the coefficient beyond mu0 is inversely proportional to the slope, unless the hardness limits pressures.
+    The coefficient minus mu0 is inversely proportional to the slope, unless the hardness limits the pressures.
     """
     elastic_fraction = 1.0
     if study.contact.hardness is not None:
@@ -822,14 +822,14 @@ def _find_drift_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleC
 
 
 def _find_orientation_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield a caveat if both maps have a lay, but the study specifies neither their orientation nor positions.
+    """Yield a caveat if both maps have a lay, and the study specifies neither a rotation nor positions.
 
     Maps with a lay are pressed at several relative positions, but in one orientation.
     """
     surfaces: Any = study.surfaces
     ratios = [float(np.max(point.attrs[name])) for name in ("upper_lay", "lower_lay") if name in point.attrs]
     if len(ratios) == 2 and not (surfaces.rotate or surfaces.positions):
-        # The text must fit on one line.
+        # The text of the caveat must fit on one line.
         text = f"one orientation of the lays (slope ratio {format_significant(min(ratios), 2)}) is pressed"
         yield Caveat(text, "try --rotate 180", "caution")
 

@@ -33,13 +33,13 @@ from stiction.surfaces.surface import Surface
 # Friction coefficient mu0 of the interface that small-slope estimates assume.
 ASSUMED_MU0 = 0.4
 RADIAL_BINS_PER_DECADE = 20
-# Variance of ln(spectral density) in a bin times the number of harmonics in the bin, after a Hann window.
+# After a Hann window, ln(density) in a bin of n harmonics has a variance of this number divided by n.
 _HANN_LOG_VARIANCE = 2.0
 
 
 @dataclass(frozen=True, eq=False)
 class Characterisation:
-    """Characterisation of a levelled profile or surface, whose properties are computed when they are first used.
+    """Characterisation of a levelled profile or surface; each property is computed on first use.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class Characterisation:
 
     @cached_property
     def neighbour_slope(self) -> float:
-        """Rms slope of a profile, or rms gradient of a surface, from the height differences of neighbours."""
+        """Rms slope of a profile, or rms gradient of a surface, from height differences between neighbouring points."""
         body = self.scale_limited_body
         if isinstance(body, Profile):
             return roughness_parameters(body, derivative="neighbours").Pdq
@@ -106,7 +106,7 @@ class Characterisation:
 
     @cached_property
     def section_parameters(self) -> SectionParameters | SectionLengthError | None:
-        """R- and W-parameters of a profile, or the error that prevents them; None for a surface."""
+        """R- and W-parameters of a profile, or the error that prevents the computation; None for a surface."""
         if not isinstance(self.body, Profile):
             return None
         try:
@@ -140,7 +140,7 @@ class Characterisation:
 
     @cached_property
     def areal_analysis(self) -> tuple[RadialSpectrum, tuple[ProfileMoments, ...], float]:
-        """Radial spectrum of a surface, its profile moments along x and y, and its steepest direction (degrees)."""
+        """Radial spectrum of a surface, moments of its profiles along x and y, and its steepest direction (degrees)."""
         assert isinstance(self.body_without_outliers, Surface)
         spectrum = surface_spectrum(self.body_without_outliers)
         moments = tuple(spectrum.moments(direction) for direction in (0, 90))
@@ -200,9 +200,9 @@ class Characterisation:
 
     @cached_property
     def friction_estimates(self) -> tuple[float, ...]:
-        """Small-slope estimates of friction along x and y for two bodies with this roughness; empty for a flat body."""
+        """Small-slope friction estimates along x and y for two such bodies; empty if the slopes along an axis are 0."""
         # The gap between two equally rough bodies has twice the mean square slope of one body.
-        # The order of the slopes (y, x) is reversed, so that the estimate along x comes first.
+        # The slopes along (y, x) are put into reverse order, so that the estimate along x comes first.
         mean_square_slopes = [2 * float(np.square(slopes).mean()) for slopes in compute_slopes(self.body)][::-1]
         return tuple(
             float(

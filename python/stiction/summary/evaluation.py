@@ -1,4 +1,4 @@
-"""Evaluation of a result: friction and other quantities from the contact sums of its members, with a cache."""
+"""Evaluation of a result: friction and other quantities from stored sums over contacts, with a cache."""
 
 from __future__ import annotations
 
@@ -57,11 +57,11 @@ NUM_OVERVIEW_FRACTAL_DIMENSIONS = 4
 
 
 class Evaluation(MemberSums):
-    """Result of a study, which evaluates friction from the contact sums of its members and finds companion results."""
+    """Result of a study: friction from stored sums over contacts, and access to further results stored alongside."""
 
     @cached_property
     def num_solved(self) -> int:
-        """Number of members for which the solver succeeded at all loads or approaches."""
+        """Number of surface pairs (members) for which the solver succeeded at all loads or approaches."""
         return sum(piece.sizes["repetition"] for piece in iterate_solved_pieces(self, ["normal_elastic"]))
 
     # ---- Stored alongside --------------------------------------------------------------------------------------------
@@ -80,7 +80,7 @@ class Evaluation(MemberSums):
         return None if onset is None else self.scale_onset(onset)
 
     def scale_onset(self, onset: xarray.Dataset) -> xarray.Dataset | None:
-        """Scale a computed onset of sliding to the sliding load that follows from friction at all contacts.
+        """Scale the loads of a computed onset of sliding to the sliding load μ_s F for friction at all contacts.
 
         Returns None if the result has no coefficient, and the unchanged onset if the result does not include the rule
         "all".
@@ -102,22 +102,22 @@ class Evaluation(MemberSums):
 
     @property
     def values_at_cutoffs(self) -> xarray.Dataset | None:
-        """Friction at several cutoffs for a few members, or None if no cutoff study is stored."""
+        """Friction at several cutoff wavelengths for a few surface pairs, or None if the result has no cutoff study."""
         return self.load_companion(evaluate_at_cutoffs)
 
     @property
     def alternatives(self) -> dict[AlternativeName, Self]:
-        """Stored results for alternative preparations of the scans, by the name of the preparation."""
+        """Stored results with alternative scan preparations, keyed by the name of the preparation."""
         return {name: self.of(sums) for name, sums in load_stored_alternatives(self).items()}
 
     @property
     def contact_picture(self) -> xarray.Dataset | None:
-        """Heights, contacts and pressures of a typical member, or None if no contact map is stored."""
+        """Heights, contacts and pressures of a typical surface pair, or None if no contact map is stored."""
         return self.load_companion(load_contact_picture)
 
     @property
     def loading_cycle(self) -> xarray.Dataset | None:
-        """Load, contact area and approach of a typical adhesive member during loading and subsequent unloading.
+        """Load, contact area and approach of a typical adhesive surface pair during loading and subsequent unloading.
 
         None for other results. The cycle is computed on first use.
         """
@@ -127,14 +127,13 @@ class Evaluation(MemberSums):
     def contact_forces(self) -> xarray.Dataset | None:
         """Pair of profiles in contact in the asperity model, with the force on the upper profile at each contact.
 
-        It is None for maps, for the half-space model, and if no pair has contacts. The forces are computed on first
-        use.
+        None for maps, for the half-space model, and if no pair has contacts. The forces are computed on first use.
         """
         return self.compute_once(compute_contact_forces)
 
     @property
     def height_factors(self) -> dict[ScaledBodies, list[float]]:
-        """Height factors for which results are stored, by the bodies whose heights are scaled: both, upper or lower."""
+        """Height factors with stored results, keyed by the scaled bodies: "both", "upper" or "lower"."""
         return {} if self.stored is None else group_stored_factors(self.stored)
 
     @cached_property
@@ -157,7 +156,7 @@ class Evaluation(MemberSums):
 
     @cached_property
     def default_loads(self) -> NDArray[np.float64]:
-        """Loads (mN) of the study or, if the study lists no loads, a few loads in the range of the result.
+        """Loads (mN) of the study or, if the study lists no loads, a few loads within the load range of the result.
 
         Raises a `ValueError` if there is no contact.
         """
@@ -186,7 +185,7 @@ class Evaluation(MemberSums):
         surfaces: Any = self.study.surfaces
         if isinstance(surfaces.fractal_dimension, tuple):
             return quantities
-        # If the study has a range of fractal dimensions, a few suffice for a curve.
+        # If the study has a range of fractal dimensions, a few fractal dimensions suffice to draw a curve.
         # If the study lists fractal dimensions, all of them are shown.
         num_dimensions = quantities.sizes["fractal_dimension"]
         shown_indices = np.unique(
@@ -299,7 +298,7 @@ class Evaluation(MemberSums):
         else:
             values = at_load(self, loads, mu0=mu0, tau0=strengths, load_definition=load_definition, names=quantities)
             values = add_uncertainty(values, self, budget=budget)
-        # Other results share the cached arrays, so a copy is returned.
+        # A copy is returned, because other results share the cached arrays.
         return values.copy(deep=True)
 
     def _evaluate_at_height_factors(
@@ -321,14 +320,14 @@ class Evaluation(MemberSums):
 
     @property
     def nominal_area(self) -> float | None:
-        """Nominal area (µm²) of one member, or None for generated profiles."""
+        """Nominal area (µm²) of one surface pair, or None for generated profiles."""
         if self.study.is_measured:
             return float(self.head["nominal_area"])
         surfaces: Any = self.study.surfaces
         return float(surfaces.nominal_area) if self.study.is_areal else None
 
     def _to_forces(self, load: Any) -> Any:
-        """Convert loads to forces (mN).
+        """Convert loads, given as forces or pressures, to forces (mN).
 
         A load that is given as a pressure is multiplied by the nominal area.
         """
@@ -338,7 +337,7 @@ class Evaluation(MemberSums):
     def contacts(
         self, load: str | ArrayLike | None = None, *, members: int | Sequence[int] | None = None
     ) -> pandas.DataFrame:
-        """Return a table of contacts, one per row, for a typical member or for the given members.
+        """Return a table with one contact per row, for a typical surface pair or for the given members.
 
         Parameters
         ----------
@@ -428,7 +427,7 @@ class Evaluation(MemberSums):
         """
         if load is None and mu0 is None and tau0 is None:
             if isinstance(self._study_summary, ValueError):
-                # The traceback is reset, because it would otherwise grow each time the error is raised.
+                # The traceback is reset, because it would grow each time the same error is raised.
                 raise self._study_summary.with_traceback(None)
             summary = self._study_summary
             return replace(summary, at=summary.at.copy(), onset=self.onset, values_at_cutoffs=self.values_at_cutoffs)
@@ -444,7 +443,7 @@ class Evaluation(MemberSums):
         return summary if has_all_cells else self.summarize_dataset(self._at_all_dimensions)
 
     def summarize_dataset(self, at: xarray.Dataset) -> Summary:
-        """Summarize a dataset that `at` returned with `budget=True`, or a part of such a dataset."""
+        """Summarize a dataset that `at` returned with `budget=True`, or a selection from such a dataset."""
         import xarray
 
         check_instance("at", at, xarray.Dataset, "a dataset from Result.at")
@@ -456,7 +455,7 @@ class Evaluation(MemberSums):
 
     @cached_property
     def _study_summary(self) -> Summary | ValueError:
-        """Summary at the loads of the study, or the error that states why there is no friction.
+        """Summary at the loads of the study, or the error that states why the result has no coefficient.
 
         The error is cached too, because it takes as long to compute as a summary.
         """

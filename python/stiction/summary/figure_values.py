@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 MAX_DRAWN_PROFILES = 5
 MAX_DRAWN_CURVES = 8
-# A figure compares surfaces with these length scales, given as multiples of the study's length scale.
+# Length scales of the surfaces that a figure compares, as multiples of the study's length scale.
 LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)
 MAX_SURFACE_SIDE_POINTS = 400
 # A figure shows at most two values of tau0: the lowest and the highest.
@@ -38,9 +38,9 @@ CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
 
 
 def evaluate_positions(result: Evaluation, point: xarray.Dataset) -> xarray.Dataset:
-    """Return one result point of a dataset from `Result.at`, with the coefficients of single members added.
+    """Add the variable `member_friction` to a result point: the friction coefficient of each surface pair.
 
-    The added variable `member_friction` has the dimensions repetition, direction and sliding.
+    The variable has the dimensions repetition, direction and sliding.
     """
     load, mu0, tau0 = (float(point[name]) for name in ("load", "mu0", "tau0"))
     members = result.at(load, mu0=mu0, tau0=tau0, per_member=True)
@@ -49,14 +49,14 @@ def evaluate_positions(result: Evaluation, point: xarray.Dataset) -> xarray.Data
 
 
 def evaluate_positions_at_first_load(result: Evaluation) -> xarray.Dataset:
-    """Return one result point with the coefficients of single members, at the study's first load, mu0 and tau0."""
+    """Return the result point at the study's first load, mu0 and tau0, with the coefficient of each member added."""
     first_load = float(result.study.friction.load[0])
     points = sort_sliding_rules(result.at_study_loads, result.study).isel(cut_off=0, mu0=0, tau0=0)
     return evaluate_positions(result, points.sel(load=first_load, method="nearest"))
 
 
 def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray[np.bool_]:
-    """Return a mask of the contacts in a contact picture that oppose the motion of the upper body.
+    """Return a mask of the contacts whose slope opposes the motion of the upper body.
 
     The direction of motion is in degrees from +x towards +y.
     """
@@ -67,7 +67,7 @@ def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray
 def evaluate_height_factors(
     result: Evaluation, scaled_bodies: ScaledBodies, mu0_index: int = 0, tau0_index: int = 0
 ) -> xarray.Dataset:
-    """Evaluate friction at every height factor that has stored results, for the first load and one mu0 and tau0.
+    """Evaluate friction at all stored height factors, at the study's first load and at a single mu0 and tau0.
 
     Nominal area and area fraction are omitted if the study has no nominal area.
     """
@@ -97,7 +97,7 @@ class FrictionOverDimension:
     map_points : xarray.Dataset
         Result of `Result.at` at loads that cover the load range of the result.
     curve_points : xarray.Dataset
-        Result of `Result.at` at a load that nine of ten cells reach.
+        Result of `Result.at` at a load that 90 % of the combinations of fractal dimension and amplitude reach.
     strengths : list of str
         Values of tau0 with units.
     """
@@ -109,7 +109,7 @@ class FrictionOverDimension:
 
 
 def iterate_motions(result: Evaluation) -> Iterator[tuple[str, Evaluation]]:
-    """Yield the results for each single sliding rule and direction, each with a suffix for the names of its files."""
+    """Yield, for each sliding rule and direction, a suffix for file names and the result for this motion alone."""
     dims = [dim for dim in ("sliding", "direction") if dim in result.head.dims]
     if not dims:
         yield "", result
@@ -121,7 +121,7 @@ def iterate_motions(result: Evaluation) -> Iterator[tuple[str, Evaluation]]:
 
 
 def evaluate_friction_over_dimension(result: Evaluation, mu0: Sequence[float]) -> list[FrictionOverDimension]:
-    """Evaluate friction of generated surfaces over the fractal dimension, for each mu0, lowest and highest tau0."""
+    """Evaluate friction of generated surfaces over the fractal dimension, for each mu0 and for at most two tau0."""
     strengths = list(result.study.friction.tau0)
     strengths = strengths if len(strengths) <= MAX_DRAWN_STRENGTHS else [strengths[0], strengths[-1]]
     loads = result.reached_loads()
@@ -137,7 +137,7 @@ def evaluate_friction_over_dimension(result: Evaluation, mu0: Sequence[float]) -
 
 
 def _find_commonly_reached_load(result: Evaluation, lowest: float) -> float:
-    """Return a load (mN) that surfaces in nine out of ten result cells reach, a power of ten if possible."""
+    """Return a load (mN) that 90 % of the fractal dimensions and amplitudes reach, if possible a power of ten."""
     highest_loads = result.mean_elastic_loads.max(result.study.step_quantity).values
     common_load = float(np.quantile(highest_loads[highest_loads > 0], 0.1))
     power_of_ten = 10.0 ** np.floor(np.log10(0.9 * common_load))
@@ -158,7 +158,7 @@ def evaluate_area_over_load(result: Evaluation) -> xarray.Dataset:
 
 
 def evaluate_onset_over_dimension(result: Evaluation) -> xarray.Dataset | None:
-    """Evaluate the onset of sliding of generated surfaces at a few loads, with the settings in `contact.onset`.
+    """Evaluate the onset of sliding of generated surfaces at a few loads, with mu0 and tau0 from `contact.onset`.
 
     Returns None if the study computes no onset. Raises a `ValueError` if no pair is in contact.
     """
@@ -193,7 +193,7 @@ def generate_profiles(study: Study) -> dict[float, Profile]:
 
 
 def generate_bodies_by_length_scale(study: Study) -> dict[float, tuple[Profile, Surface]]:
-    """Generate an unscaled profile and surface (Eq. 1) for each length scale (µm), with equal phases."""
+    """Generate a profile and a map (Eq. 1 of the paper) per length scale (µm), with equal phases, unscaled."""
     surfaces: Any = study.surfaces
     dimension = surfaces.fractal_dimensions()[0]
     num_points = int(min(MAX_SURFACE_SIDE_POINTS, surfaces.points))

@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 
 FRICTION_TABLE_TITLE = "stiction table"
 MIN_NUM_PRESSURES_FOR_STIFFNESS = 3
-# For isotropic surfaces, the coefficient is averaged over these directions of motion (degrees).
+# Directions of motion (degrees) over which the coefficient of isotropic surfaces is averaged.
 AVERAGED_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 # Largest true area fraction to which the laws of area and stiffness are fitted.
 MAX_FITTED_AREA_FRACTION = 0.1
-# Largest relative deviation of a mean from a fitted law without a caveat.
+# A fitted law gets a caveat if a mean deviates from the law by more than this fraction.
 MAX_LAW_DEVIATION = 0.1
 _DIMENSION_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
@@ -151,7 +151,7 @@ def _to_hardness_entry(hardness: str | float) -> Any:
 
 
 def _require_positive_values(name: str, values: ArrayLike) -> list[float]:
-    """Return the numbers of an argument as a list, or raise a `ValueError` if a number is not above 0."""
+    """Convert an argument to a list of numbers, or raise a `ValueError` if a number is not above 0."""
     array = np.atleast_1d(float_array(name, values))
     if array.ndim != 1 or not array.size or not (array > 0).all():
         raise ValueError(f"{name} must be numbers above 0, got {short_repr(values)}")
@@ -161,7 +161,7 @@ def _require_positive_values(name: str, values: ArrayLike) -> list[float]:
 def friction_table(
     result: Evaluation | xarray.Dataset, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
-    r"""Compute friction, true area and stiffness as functions of pressure, and fit laws to area and stiffness.
+    r"""Compute friction, true area and stiffness as functions of pressure, with laws fitted to area and stiffness.
 
     Parameters
     ----------
@@ -223,7 +223,7 @@ def friction_table(
         # The approach is nearly linear in ln(load), so it is differentiated with respect to ln(load).
         approach_derivative = np.gradient(approach, np.log(pressure_steps), axis=-1, edge_order=2)
         stiffness = STIFFNESS_PER_AREA_FACTOR * pressure_steps / approach_derivative
-    # The requested loads are some of the computed loads.
+    # Only the requested loads are kept, which are some of the computed loads.
     requested_loads = [float(load) for load in study.friction.load] or dataset["load"].values
     indices = np.flatnonzero(np.isin(dataset["load"].values, requested_loads))
     dataset, pressure = dataset.isel(load=indices), pressure_steps[indices]
@@ -292,7 +292,7 @@ def friction_table(
 def _fit_area_and_stiffness_laws(
     pressure: Floats, is_light_load: NDArray[np.bool_], values_of_pairs: dict[str, Floats]
 ) -> dict[str, Floats]:
-    """Fit the laws A/A0 = a p and k/A0 = b p^c, and return a, b and c with 95 % intervals, by name.
+    """Fit the laws A/A0 = a p and k/A0 = b p^c, and return a, b and c with 95 % intervals, keyed by name.
 
     Each parameter has the shape (fractal dimension, amplitude, 3). The parameters are NaN if a pair of surfaces has no
     area or no stiffness.

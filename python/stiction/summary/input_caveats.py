@@ -49,7 +49,7 @@ INSTRUMENT_LIMIT_REASON_TEXTS = {
 # Above this ratio of height to length of a scan, the unit of the heights must be wrong.
 MAX_HEIGHT_OVER_EXTENT = 10.0
 # Largest plausible mu0. A larger number is probably a percentage.
-# Friction coefficients of clean metals in vacuum can be larger, but because of adhesion and junction growth (tau0).
+# Clean metals in vacuum can have a larger coefficient, but because of adhesion and junction growth (tau0), not mu0.
 MAX_PLAUSIBLE_MU0 = 2.0
 
 MAX_FORM_FRACTION = 0.6
@@ -71,17 +71,17 @@ CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
     f"the surface; {REPEATED_SCANS_REMEDY}"
 )
-# Largest ratio of the spectra of two scans of one surface without a caveat.
+# Two scans of one surface get a caveat if the ratio of their spectra exceeds this number.
 MAX_RATIO_OF_TWO_SPECTRA = 2.0
 MAX_PRESSURE_OVER_MODULUS = 0.1
-"""Largest plausible ratio of nominal pressure to E*. A load above it is probably that on the whole component."""
+"""Largest plausible ratio of nominal pressure to E*. A higher load is probably the load on the whole component."""
 
 
 def find_input_caveats(
     upper: MeasuredBody, lower: MeasuredBody, study: Study, loads: Sequence[float] = (),
     alternatives: Collection[str] = (),
 ) -> tuple[Caveat, ...]:  # fmt: skip
-    """Return the caveats about the scans of two bodies, the other inputs of their study, and given loads (mN).
+    """Return the caveats about the scans of both bodies, other inputs of the study, and the given loads (mN).
 
     `alternatives` contains the names of the alternative preparations that the interval includes.
     """
@@ -133,7 +133,7 @@ def find_input_caveats(
         [caveat for caveat in body_caveats if caveat not in paired_caveats]
         for body_caveats in (upper_caveats, lower_caveats)
     ]
-    # A gap has a single map, which stands for both bodies.
+    # If the gap is given, a single map takes the place of both bodies.
     names = ("gap" if study.is_gap else "both scans", "upper", "lower")
     named_caveats = zip(names, (merged_caveats, *unpaired_caveats), strict=True)
     caveats = [
@@ -241,7 +241,7 @@ def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :
 
 
 def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return the remedy of a caveat, or another remedy if the caveat recommends a cutoff above `longest` (µm)."""
+    """Return the remedy of a caveat, or advice to scan a longer part if the caveat's cutoff exceeds `longest` (µm)."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
     return (
@@ -259,7 +259,7 @@ _NUMBER_PATTERN = re.compile(r"\d[\d.]*")
 
 
 def _get_caveat_kind(caveat: Caveat) -> str:
-    """Return the text of a caveat without its numbers, so that caveats of the same kind have equal texts."""
+    """Return the text of a caveat without numbers, which is equal for all caveats of the same kind."""
     return _NUMBER_PATTERN.sub("", caveat.text)
 
 
@@ -327,7 +327,7 @@ def find_study_caveats(study: Study, alternatives: Collection[str] = ()) -> tupl
 
 
 def find_alternatives(study: Study) -> list[AlternativeName]:
-    """Return the names of the alternative preparations of scans that the interval of a study must cover.
+    """Return the names of alternative scan preparations whose results the interval of a study must include.
 
     Scans with spikes require one alternative, and scans with a blunt tip another one. Bodies with a hardness need the
     tip alternative because the interval of their true area does not include finer roughness. Raises a `ValueError` if a
@@ -363,7 +363,7 @@ def _get_axis_extents(body: MeasuredBody) -> tuple[float, float]:
 
 
 def have_different_spectra(joined: JoinedSpectrum) -> bool:
-    """Return True if the spectrum of a scan differs from the others significantly and by at least a factor of 2."""
+    """Return whether one scan's spectrum differs from the spectra of the others by a factor significantly above 2."""
     with np.errstate(invalid="ignore"):
         return bool(
             (np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_RATIO_OF_TWO_SPECTRA)).any()
@@ -371,7 +371,7 @@ def have_different_spectra(joined: JoinedSpectrum) -> bool:
 
 
 def _find_spectrum_caveats(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
-    """Yield caveats about scans of one surface with different spectra, and about wavelengths missing in all scans."""
+    """Yield caveats if scans of one surface have different spectra, or if all scans lack some wavelengths."""
     if have_different_spectra(spectrum):
         text = "scans of the surface differ by more than a factor of two in power"
         yield Caveat(text, "compare them with characterise --together, and exclude the wrong one", "caution")
@@ -419,7 +419,7 @@ def _find_instrument_caveats(
         # Slopes increase with ever finer scans, so the true area has no lower limit unless there is a hardness.
         peak_severity: Severity = "fault" if elastic and tip_limit.matters else "caution"
         remedy = "use a sharper tip" + (", or specify a hardness" if elastic else "")
-        # A single Gaussian filter at this cutoff equals the filters at both cutoffs in succession.
+        # A Gaussian filter with the combined cutoff equals two successive filters, one at each cutoff.
         combined_cutoff = math.hypot(cut_off, tip_limit.cut_off)
         yield Caveat(text, remedy, peak_severity, combined_cutoff, interval_note=note)
     body = defects.body_without_outliers
@@ -439,8 +439,8 @@ def _find_instrument_caveats(
 
 
 def _describe_slope_fraction(limit: InstrumentLimit) -> str:
-    """Return a clause of a caveat with the fraction of the mean square slope from unreliable wavelengths."""
-    # The fraction is rounded, so that similar scans have caveats with the same text.
+    """Return a clause that states which fraction of the mean square slope comes from unreliable wavelengths."""
+    # The fraction is rounded to whole per cent, so that similar scans get caveats with the same text.
     fraction_text = f"{100 * limit.slope_fraction:.0f} %"
     axis_text = f" along {limit.axis}" if limit.axis else ""
     wavelength_text = format_with_unit(limit.wavelength, "um")
@@ -486,9 +486,9 @@ def _find_form_caveats(defects: ScanDefects, *, form: bool, step: bool, has_mask
 
 
 def _compute_parabola_fraction(body: Profile | Surface) -> float:
-    """Return the fraction of the mean square height that a parabola fits.
+    """Return the fraction of the mean square height that a least-squares parabola explains.
 
-    Returns 0 if higher orders are large.
+    Returns 0 for a flat profile, and for a map whose form is not dominated by a parabola.
     """
     if not isinstance(body, Profile):
         return measure_parabola_fraction(body)

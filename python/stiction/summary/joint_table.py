@@ -118,7 +118,7 @@ class JointRow:
         return self.estimates["nominal_pressure"]
 
     def friction(self, percentile: float) -> Estimate:
-        """Return the given percentile (5, 50 or 95) of the static friction coefficient in a single test."""
+        """Return a percentile (5, 50 or 95) of the static friction coefficients of single tests."""
         return self.estimates[f"friction_{percentile:g}"]
 
 
@@ -169,9 +169,9 @@ def choose_joint_loads(study: Study, nominal_area: float | None) -> Floats:
 
 
 def build_joint_study(study: Study, nominal_area: float | None, loads: Sequence[float] | None = None) -> Study:
-    """Return a copy of a measured pair's study in which the loads are those of its joint table.
+    """Return a copy of a measured pair's study with the loads of the joint table.
 
-    If `loads` (mN) are given, the study contains them and the computed loads instead.
+    If `loads` (mN) are given, the copy has these loads and the computed loads of the study instead.
     """
     table_loads = choose_joint_loads(study, nominal_area)
     if loads is not None:
@@ -224,8 +224,8 @@ def build_joint_table(at: xarray.Dataset, study: Study, units: str, assessments:
 
 
 def _read_row(point: xarray.Dataset, pressure: float) -> dict[str, Estimate]:
-    """Return the estimates in one row of a joint table, by name, in core units."""
-    # Twelve digits drop the round-off of the pressure.
+    """Return the estimates at one pressure (GPa) of a joint table, in core units (µm, mN, GPa), keyed by quantity."""
+    # Rounding to twelve digits removes the round-off of the pressure.
     pressure = float(f"{pressure:.12g}")
     estimates = {"nominal_pressure": Estimate(pressure, name="nominal_pressure", unit="GPa")}
     for name in (*JOINT_QUANTITIES, "friction_combined"):

@@ -120,7 +120,7 @@ class BodyHistory:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class GeneratedReportData(ReportData):
-    """Data of a report on generated surfaces: D, amplitudes, loads and datasets for figures.
+    """Data of a report on generated surfaces: fractal dimensions, amplitudes, loads and datasets for figures.
 
     Attributes
     ----------
@@ -145,12 +145,12 @@ class GeneratedReportData(ReportData):
 
 
 def evaluate_measured_values(result: Evaluation) -> MeasuredReportValues:
-    """Evaluate friction and contact quantities of measured surfaces for all positions of a report's sliders."""
+    """Evaluate friction and contact quantities of measured surfaces for the loads, mu0 and tau0 of a report."""
     return evaluate_measured_report(ReportGrid(result))
 
 
 def evaluate_generated_values(result: Evaluation) -> GeneratedReportValues | None:
-    """Evaluate friction and contact quantities of generated surfaces for all positions of a report's sliders.
+    """Evaluate friction and contact quantities of generated surfaces for the loads, mu0 and tau0 of a report.
 
     Returns None if no pair is in contact.
     """
@@ -166,7 +166,7 @@ def count_coefficients(result: Evaluation) -> int:
 def collect_report_data(
     result: Evaluation, picture: xarray.Dataset | None = None
 ) -> MeasuredReportData | GeneratedReportData:
-    """Collect the data of a report except the arrays for its sliders: study, bodies, summary and figure datasets.
+    """Collect the data of a report (study, bodies, summary, figure datasets), except the arrays for the sliders.
 
     `picture` comes from `contact_picture`; by default it is the picture that is stored with the result.
     """

@@ -30,14 +30,14 @@ if TYPE_CHECKING:
 
 MEASURED_MU0_VALUES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8)
 GENERATED_MU0_VALUES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
-"""Values of mu0 that a report shows besides those of the study, for generated and for measured surfaces.
+"""Values of mu0 that a report on generated surfaces shows in addition to the mu0 of the study.
 
 Reports on generated surfaces have more loads, and therefore fewer mu0 and tau0.
 """
 
 # Maximum number of steps of the tau0 slider, for measured (True) and generated surfaces (False).
 MAX_TAU0_STEPS = {True: 6, False: 5}
-# Maximum number of mu0 or tau0 of a study in a report. A longer list is thinned out.
+# Maximum number of mu0 or tau0 in a report. A report leaves out some numbers of a longer list in the study.
 MAX_SHOWN_MU0_OR_TAU0 = 9
 # Largest tau0 in a report, as a fraction of E*, unless the study has a larger tau0.
 MAX_TAU0_OVER_MODULUS = 0.02
@@ -45,7 +45,7 @@ MAX_TAU0_OVER_HARDNESS = NEARLY_BULK_STRENGTH_RATIO / CENTRAL_SHEAR_RATIO
 """Largest tau0 in a report, as a fraction of the hardness, unless the study has a larger tau0."""
 
 NUM_REPORT_LOADS = 40
-# A report on measured surfaces evaluates these quantities besides friction for all mu0 and tau0.
+# Quantities, besides friction, that a report on measured surfaces evaluates for all mu0 and tau0.
 QUANTITIES_BESIDES_FRICTION = ("contact_count", "gentle_friction")
 
 
@@ -65,7 +65,7 @@ class ParameterAxis:
 
 
 class ReportGrid:
-    """Grid of loads, mu0 and tau0 that a report offers, for several kinds of members and groups of directions.
+    """Loads, mu0 and tau0 that the sliders of a report offer, with groups of members and of directions to average.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class ReportGrid:
 
     @cached_property
     def member_kinds(self) -> list[MemberKind | None]:
-        """Kinds of members in a report (shifted scans, surrogates), the reported kind first; None for all members."""
+        """Kinds of members that a report shows separately, the reported kind first; [None] if all are of one kind."""
         if "surrogate" not in self.result.head.coords:
             return [None]
         surrogate = self.result.dataset["surrogate"].values.astype(bool)
@@ -106,14 +106,14 @@ class ReportGrid:
 
     @property
     def motions(self) -> list[list[int]]:
-        """Groups of direction indices; a report contains the mean coefficient over the directions of each group."""
+        """Groups of direction indices; for each group, a report shows the mean coefficient over the directions."""
         directions = list(range(len(self.study.contact.direction_angles())))
         single_directions = [[index] for index in directions]
         return [directions, *single_directions] if self.study.is_measured and len(directions) > 1 else single_directions
 
     @property
     def num_coefficients(self) -> int:
-        """Number of coefficients in a report: all kinds of members, cells, direction groups, loads, mu0 and tau0."""
+        """Number of coefficients in a report: one per member kind, surface, rule, motion, load, mu0 and tau0."""
         cell_sizes = [values.size for values in self.study.surfaces.cell_coordinates().values()]
         num_curves = math.prod(cell_sizes) * len(self.study.contact.sliding_rules()) * len(self.motions)
         return len(self.member_kinds) * num_curves * self.loads.size * math.prod(axis.values.size for axis in self.axes)
@@ -152,7 +152,7 @@ def build_parameter_axes(study: Study) -> tuple[ParameterAxis, ParameterAxis]:
     modulus, hardness = float(study.contact.effective_modulus), study.contact.hardness
     max_tau0 = MAX_TAU0_OVER_MODULUS * modulus
     max_tau0 = max_tau0 if hardness is None else min(max_tau0, MAX_TAU0_OVER_HARDNESS * float(hardness))
-    # If a study of generated surfaces has several tau0, its largest tau0 is the largest in the report.
+    # If a study of generated surfaces has several tau0, the largest is also the largest tau0 in the report.
     max_tau0 = tau0[-1] if tau0.size > 1 and not is_measured else max(max_tau0, tau0[-1])
     round_tau0 = _list_round_numbers(max_tau0, MAX_TAU0_STEPS[is_measured])
     round_mu0 = np.array(MEASURED_MU0_VALUES if is_measured else GENERATED_MU0_VALUES)

@@ -126,7 +126,7 @@ def evaluate_measured_report(grid: ReportGrid) -> MeasuredReportValues:
 
 
 def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDArray[Any]]:
-    """Return coefficients, means, status codes, member counts and small-slope estimates as arrays.
+    """Return coefficients, means, status codes, member counts and small-slope estimates for groups of directions.
 
     The arrays have one index for each group of directions in `motions`.
     """
@@ -158,7 +158,7 @@ def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDA
 
 
 def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.intp]:
-    """Return the status code of each coefficient averaged over directions, without the axis for the direction."""
+    """Return the status code of each coefficient that is averaged over directions (axis 2 of `statuses`)."""
     bulk_shear_code = STATUSES_BY_CODE.index(friction.STATUS_BULK_SHEAR)
     codes = np.select([statuses == name for name in STATUSES_BY_CODE], range(len(STATUSES_BY_CODE)))
     lowest_codes = np.where(codes == 0, len(STATUSES_BY_CODE), codes).min(axis=2)
@@ -222,7 +222,7 @@ class GeneratedReportValues:
 
     @property
     def assessments(self) -> list[str]:
-        """Assessment that follows from each set of caveats."""
+        """Assessment, such as "Do not quote", for each element of `caveat_sets`."""
         return [assess_caveats(caveats) for caveats in self.caveat_sets]
 
 
@@ -231,12 +231,12 @@ QUANTITIES_BY_PANEL = {"friction": "friction_coefficient", "area": "contact_area
 
 
 def is_shown_in_report(name: str, values: Floats) -> bool:
-    """Return whether a report shows a quantity: at least one value is known and, for some quantities, not 0."""
+    """Return whether a report shows a quantity: it has a finite value and, for some quantities, a nonzero value."""
     return bool(np.isfinite(values).any() and (not QUANTITIES[name].is_omitted_if_zero or np.nan_to_num(values).any()))
 
 
 def get_validity_limit(name: str) -> float:
-    """Return the limit above which an indicator makes the asperity model invalid.
+    """Return the limit of a validity indicator, above which the asperity model is invalid.
 
     Returns infinity for other quantities.
     """
@@ -285,7 +285,7 @@ def evaluate_generated_report(grid: ReportGrid, num_members: int) -> GeneratedRe
 
 
 def _find_unloaded(table: xarray.Dataset, statuses: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return a mask of the points at which the load is negligible compared with the pull-off force."""
+    """Return a mask of the result points at which the load is negligible compared with the pull-off force."""
     if "pull_off" not in table:
         return np.zeros(statuses.shape, np.bool_)
     pull_off = table["pull_off"].sel(statistic="mean", drop=True)
@@ -296,7 +296,7 @@ def _find_unloaded(table: xarray.Dataset, statuses: NDArray[Any]) -> NDArray[np.
 def _compute_checked_numbers(
     table: xarray.Dataset, estimates: dict[str, Floats], study: Study, num_members: int
 ) -> dict[str, Any]:
-    """Compute the numbers that the assessment of generated surfaces compares with limits, as arrays by name."""
+    """Compute the quantities that the assessment of generated surfaces compares with limits: arrays keyed by name."""
     mu0, tau0 = (_order_dimensions(table[name]) for name in ("mu0", "tau0"))
     area = estimates["area"][..., 0]
     surfaces: Any = study.surfaces
@@ -313,14 +313,14 @@ def _compute_checked_numbers(
 
 
 def _broadcast_means(table: xarray.DataArray, shape: tuple[int, ...]) -> Floats:
-    """Return the means of a quantity in the shape of the report's arrays, from a table with or without intervals."""
+    """Broadcast the means of a quantity to the shape of report arrays; the table may also contain intervals."""
     return np.broadcast_to(
         _order_dimensions(table.sel(statistic="mean") if "statistic" in table.dims else table), shape
     )
 
 
 def _order_dimensions(table: xarray.DataArray) -> Floats:
-    """Return an array whose first axes are `DIMENSIONS_OF_REPORT_ARRAYS`.
+    """Convert a table to an array whose first axes are `DIMENSIONS_OF_REPORT_ARRAYS`.
 
     A missing dimension gets length 1.
     """

@@ -77,7 +77,7 @@ class UncertaintyBudgetEntry(Estimate):
 
     _: KW_ONLY
     label: str
-    # Mean width of the interval that would remain if the input were exact.
+    # Mean width of the friction interval that would remain if the input were exact.
     width: float
 
 
@@ -156,7 +156,7 @@ class PointSummary:
 
     @property
     def are_strengths_separated(self) -> bool:
-        """True if mu0 and tau0 are known separately, and not only the sum mu0 + tau0 A/F from tests."""
+        """True if mu0 and tau0 are known separately; friction tests may determine only the sum mu0 + tau0 A/F."""
         return are_strengths_separated(self.study, self.at)
 
     @property
@@ -181,13 +181,13 @@ class PointSummary:
 
     @property
     def cutoffs(self) -> ScanCutoffs | None:
-        """Cutoffs (µm, 0 without a filter) of the upper scans and of the lower scans; None for generated bodies."""
+        """Cutoffs (µm) of the upper and of the lower scans, 0 for no filter; None for generated bodies."""
         surfaces: Any = self.study.surfaces
         return surfaces.get_scan_cut_offs(self.at["cut_off"]) if "cut_off" in self.at else None
 
     @cached_property
     def quoted_values(self) -> xarray.Dataset:
-        """Quantities at this result point (load, mu0 and tau0), under the sliding rule that is reported.
+        """Quantities at this result point under the reported sliding rule.
 
         The true area of generated bodies depends slightly on the rule.
         """
@@ -195,7 +195,7 @@ class PointSummary:
 
     @property
     def members(self) -> float:
-        """Number of members over which the coefficient is averaged."""
+        """Number of surface pairs (members) over which the coefficient is averaged."""
         return mean_over_directions(self.values, "members")
 
     @property
@@ -215,7 +215,7 @@ class PointSummary:
 
     @property
     def contact_status(self) -> str:
-        """Status of the true contact area: "ok", "complete" or "above-nominal"."""
+        """Status of the true area: "ok", "complete" (full contact), or "above-nominal" (only in the asperity model)."""
         return find_contact_status(self.quoted_values, self.study)
 
     @property
@@ -225,7 +225,7 @@ class PointSummary:
 
     @property
     def roughness_exponent(self) -> tuple[str, float]:
-        """Symbol and value of the roughness exponent: H for self-affine surfaces, D for all other surfaces."""
+        """Symbol and value of the roughness exponent: H for self-affine surfaces, fractal dimension D for others."""
         return get_roughness_exponent(self.study, self.at["fractal_dimension"])
 
     @property
@@ -245,7 +245,7 @@ class PointSummary:
 
     @property
     def adhesion_range(self) -> float:
-        """Range (µm) of the attraction for which adhesive bodies were solved."""
+        """Range (µm) of the attraction with which the contacts of adhesive bodies were computed."""
         return get_adhesion_ranges(self.values, self.study)[1]
 
     @property
@@ -257,19 +257,19 @@ class PointSummary:
 
     @property
     def spacings(self) -> tuple[float, ...]:
-        """Grid spacings (µm) of the surfaces without duplicates; empty if they are unknown."""
+        """Distinct grid spacings (µm) of the surfaces; empty if the spacings are unknown."""
         return tuple(np.unique(np.atleast_1d(self.values.attrs.get("spacing_um", ())).astype(float)).tolist())
 
     @property
     def kappa(self) -> float:
-        """Area coefficient κ = A E* h'/F, or NaN if the rms gradient is unknown."""
+        """Area coefficient κ = A E* h'/F with the rms gradient h', or NaN if the rms gradient is unknown."""
         if "rms_gradient" not in self.quantities:
             return math.nan
         return self.quantities["rms_gradient"].value * self.effective_modulus / self.mean_pressure
 
     @property
     def load_definition_effect(self) -> float:
-        """Relative difference between the coefficients at equal normal load and at equal elastic load, or NaN."""
+        """Largest relative difference between the coefficients for two definitions of the load, or NaN if unknown."""
         return self.numbers.get("load_definition_effect", math.nan)
 
     @property
@@ -354,14 +354,14 @@ class Summary:
 
     @cached_property
     def resolution(self) -> ResolutionEffect | None:
-        """Effect of the scan resolution on friction, or None for generated surfaces and missing files."""
+        """Effect of the scan resolution on friction, or None for generated surfaces or if scan files are missing."""
         return find_resolution_effect(self.at, self.study, self._points_at_cutoffs)
 
     def find_resolution_limits(self, mu0_index: int = 0, tau0_index: int = 0) -> ResolutionLimits | None:
-        """Return the friction at several cutoff wavelengths, and the bounds of the friction of a finer scan.
+        """Return friction at several cutoff wavelengths, and bounds on the friction that a finer scan would give.
 
-        The friction is that for one mu0 and tau0, at the first load of the study or, if the summary does not contain
-        it, at the nearest load. Returns None if there is only one cutoff.
+        Friction is evaluated for one mu0 and one tau0, at the first load of the study or, if the summary lacks this
+        load, at the nearest load. Returns None if there is only one cutoff.
         """
         if (points := self._points_at_cutoffs) is None:
             return None
@@ -371,7 +371,7 @@ class Summary:
 
     @property
     def _points_at_cutoffs(self) -> xarray.Dataset | None:
-        """Friction at several cutoffs from the result or from its cutoff study, or None if there is only one cutoff."""
+        """Friction at several cutoffs, from the result or its cutoff study; None if neither has several cutoffs."""
         points = self.at if self.at.sizes.get("cut_off", 0) > 1 else self.values_at_cutoffs
         return None if points is None else sort_sliding_rules(points, self.study)
 
@@ -382,7 +382,7 @@ class Summary:
 
     @property
     def reported_points(self) -> list[PointSummary]:
-        """Result points for output, without points at a second cutoff, whose intervals the other points include."""
+        """Result points for output, without points at a second cutoff, which the intervals of other points include."""
         return [point for point in self.points if not point.covered]
 
     @property
@@ -425,7 +425,7 @@ def summarize(
 
 
 def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates: Mapping[str, float]) -> bool:
-    """Return whether the coefficient at a result point has an interval in all alternative preparations of the scans."""
+    """Return whether the coefficient at a result point has an interval in every alternative preparation of scans."""
     return all(
         point.rules[0].has_interval
         for alternative in alternatives.values()
@@ -435,7 +435,7 @@ def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates
 
 
 def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, alternative: Summary) -> PointSummary:
-    """Add to a result point the faults that its coefficient has only in an alternative preparation of the scans.
+    """Add to a result point the faults (severe caveats) that appear only with an alternative preparation of the scans.
 
     Without these faults, errors of a scan could improve an assessment. For example, spikes hold two bodies apart, so
     that more contacts carry the load.
@@ -454,11 +454,12 @@ def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, a
 
 
 def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
-    """Widen the intervals at the first cutoff so that they include the intervals at the second cutoff.
+    """Widen the intervals at the reported cutoff so that they include the intervals at the other cutoff.
 
-    The returned list begins with the points at the first cutoff. The points at the second cutoff are marked as covered.
+    The returned list begins with the points at the reported cutoff. The points at the other cutoff are marked as
+    covered.
     """
-    # The coefficient is reported at the first cutoff.
+    # The reported coefficient is the coefficient at the first cutoff.
     cut_off = points[0].at["cut_off"]
     points_at_other_cutoff = {
         _get_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off
@@ -479,7 +480,7 @@ def _get_coordinates_without_cutoff(point: PointSummary) -> tuple[tuple[str, flo
 
 
 def _extend_point_to_other_cutoff(point: PointSummary, other_point: PointSummary) -> PointSummary:
-    """Return a reported result point whose intervals and caveats also cover the point at another cutoff.
+    """Return a result point at the reported cutoff, whose intervals and caveats also cover another cutoff.
 
     Filtering does not improve an assessment, so a fault at the other cutoff is also a fault of the reported point.
     """
@@ -488,7 +489,7 @@ def _extend_point_to_other_cutoff(point: PointSummary, other_point: PointSummary
         for coefficients in zip(point.rules, other_point.rules, strict=True)
     )
     other_budget = {entry.label: entry for entry in other_point.budget}
-    # The interval is infinite or NaN if there are only one or two positions.
+    # With only one or two positions, the interval is infinite or NaN.
     has_interval = math.isfinite(point.upper - point.lower)
     budget = [_build_entry_of_possible_noise(point)] if has_interval else []
     for entry in point.budget:
@@ -514,7 +515,7 @@ def _extend_point_to_other_cutoff(point: PointSummary, other_point: PointSummary
 
 
 def _build_entry_of_possible_noise(point: PointSummary) -> UncertaintyBudgetEntry:
-    """Return the budget row for possible noise: the interval that remains with the first cutoff alone."""
+    """Return the uncertainty budget's row for possible noise, with the interval at the reported cutoff alone."""
     width = point.upper - point.lower
     return UncertaintyBudgetEntry(
         point.value, point.lower, point.upper, name="remaining_interval", kind="conditional",
@@ -600,7 +601,7 @@ def assess_coefficients(at: xarray.Dataset, study: Study) -> xarray.DataArray:
 
 
 def _find_reported_status(coefficient: SlidingRuleCoefficient) -> str:
-    """Return "ok" for a coefficient that is more than a lower limit, and the status of any other coefficient."""
+    """Return the status of a coefficient that is NaN or only a lower limit, and "ok" for all other coefficients."""
     has_status = math.isnan(coefficient.value) or coefficient.status == friction.STATUS_BULK_SHEAR
     return coefficient.status if has_status else friction.STATUS_OK
 
@@ -649,7 +650,7 @@ def _is_outside_asperity_model(table: xarray.Dataset) -> bool:
 
 
 def _read_coefficients(table: xarray.Dataset, name: str, dimension: str) -> dict[float, Estimate]:
-    """Return the coefficient for each coordinate along a dimension, or {} if the dataset has no such dimension."""
+    """Return the estimates of a quantity along a dimension, keyed by coordinate; {} if the dimension is absent."""
     return read_estimates_along(table[name], dimension) if name in table and dimension in table[name].dims else {}
 
 
@@ -667,7 +668,7 @@ def _get_interval(table: xarray.Dataset, name: str) -> Interval | None:
 def _list_budget_entries(
     point: xarray.Dataset, coefficient: SlidingRuleCoefficient
 ) -> tuple[UncertaintyBudgetEntry, ...]:
-    """Return the rows of the uncertainty budget, sorted by the width that would remain if the input were exact."""
+    """Return the rows of the uncertainty budget in ascending order of the width of the remaining interval."""
     if "remaining_interval" not in point:
         return ()
     budget = select_sliding_rule(point[["remaining_interval", "remaining_width"]], coefficient.rule)
@@ -696,7 +697,7 @@ def _list_dwell_time_coefficients(point: xarray.Dataset, rule: str) -> tuple[Dwe
 def _compute_friction_contributions(
     point: xarray.Dataset, study: Study, rule: SlidingRuleCoefficient
 ) -> tuple[float, float, float] | None:
-    """Return the contributions of mu0, tau0 and slopes to a coefficient under the rule "all"; None for other rules."""
+    """Return the contributions of mu0, tau0 and slopes if friction acts at all contacts (rule "all"), or else None."""
     if rule.rule != "all" or not math.isfinite(rule.value) or rule.status == friction.STATUS_BULK_SHEAR:
         return None
     load = read_number(point, "load")
@@ -708,18 +709,18 @@ def _compute_friction_contributions(
 
 
 def has_central_value(study: Study, coordinates: Mapping[str, Any], name: str) -> bool:
-    """Return whether mu0 or tau0 at the coordinates of a result point is the central value of the study."""
+    """Return whether mu0 or tau0 at a result point equals the central value of the first mu0 or tau0 in the study."""
     return math.isclose(coordinates[name], float(getattr(study.friction, name)[0]), rel_tol=1e-3)
 
 
 def has_values_of_interface(study: Study, coordinates: Mapping[str, Any]) -> bool:
-    """Return whether mu0 and tau0 at the coordinates of a result point are the medians of an interface."""
+    """Return whether mu0 and tau0 at a result point equal the medians of the study's interface."""
     has_interface = study.friction.interface is not None
     return has_interface and all(has_central_value(study, coordinates, name) for name in ("mu0", "tau0"))
 
 
 def are_strengths_separated(study: Study, coordinates: Mapping[str, Any]) -> bool:
-    """Return whether mu0 and tau0 are known separately, and not only the sum mu0 + tau0 A/F from tests."""
+    """Return whether mu0 and tau0 are known separately; friction tests may determine only the sum mu0 + tau0 A/F."""
     interface = find_interface(study) if has_values_of_interface(study, coordinates) else None
     return interface is None or interface.separated
 
@@ -740,7 +741,7 @@ def _get_point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, flo
 def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: SlidingRuleCoefficient) -> float | None:
     """Return the contribution of roughness to the friction coefficient if friction acts at all contacts.
 
-    Returns None if it is unknown.
+    Returns None if the contribution is unknown.
 
     The rest of the coefficient is due to the inputs alone: mu0 and, with a hardness H, tau0/H if all contacts yield.
     The contribution is unknown with adhesion, because the load on the contacts also depends on the scans. It is also
@@ -758,7 +759,7 @@ def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: 
 
 
 def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
-    """Return whether a caveat invalidates the bounds of friction for finer scans.
+    """Return whether a caveat invalidates the bounds on the friction that finer scans would give.
 
     Every fault invalidates the bounds, except too few contacts per member.
     """
