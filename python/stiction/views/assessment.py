@@ -49,7 +49,7 @@ def assessment_paragraph(
 
 
 def _common_assessment_text(points: Sequence[PointSummary]) -> str:
-    """Return the assessment that all result points share; a single point adds the measurement that would help most."""
+    """Return the assessment that all result points share and, for a single point, the most useful measurement."""
     point = points[0]
     if point.is_unloaded:
         return f"{point.assessment} a coefficient"
@@ -68,7 +68,7 @@ def count_assessments(points: Sequence[PointSummary]) -> dict[str, int]:
 
 
 def count_assessments_text(points: Sequence[PointSummary]) -> str:
-    """Return a list of assessments as text, each with the number of result points that have this assessment."""
+    """Format the numbers of result points with each assessment as text, as in "Quote it (3 of 4)"."""
     return ", ".join(f"{text} ({count} of {len(points)})" for text, count in count_assessments(points).items())
 
 
@@ -87,7 +87,7 @@ _PREFIX_FACTORS = {"n": 1e-9, "µ": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e
 
 
 def _merge_caveats(group: Sequence[Caveat]) -> Caveat:
-    """Merge a group of similar caveats into one, in whose text different numbers become ranges."""
+    """Merge similar caveats into one caveat, whose text has ranges instead of the numbers that differ."""
     numbers_by_position = zip(*(_CAVEAT_NUMBER_PATTERN.findall(caveat.text) for caveat in group), strict=True)
     range_texts = iter(
         [
@@ -99,13 +99,13 @@ def _merge_caveats(group: Sequence[Caveat]) -> Caveat:
 
 
 def _number_with_unit(number: tuple[str, str]) -> float:
-    """Convert two texts, a number and its unit with a prefix such as "kPa", to a number in the base unit."""
+    """Convert a number with a unit, both as text, to a number in the unit without prefix (as from kPa to Pa)."""
     unit = number[1].strip()
     return float(number[0]) * (_PREFIX_FACTORS.get(unit[0], 1.0) if len(unit) > 1 and unit not in ("Pa", "m²") else 1.0)
 
 
 def _range_text(numbers: Sequence[tuple[str, str]]) -> str:
-    """Return the range of numbers with units in ascending order as text, as in "95 to 116 MPa"."""
+    """Format the range of numbers with units, given in ascending order, as in "95 to 116 MPa"."""
     (smallest, low_unit), (largest, high_unit) = numbers[0], numbers[-1]
     if (smallest, low_unit) == (largest, high_unit):
         return f"{smallest}{low_unit}"
@@ -118,7 +118,7 @@ def _caveat_line(caveat: Caveat, suffix: str = "") -> WrappedText:
 
 
 def most_useful_measurement_text(point: PointSummary) -> str:
-    """Return a sentence on the measurement that would help most, and on the interval that it would leave."""
+    """Return a sentence such as "With a finer scan, the interval would be [0.2, 0.3].", or "" if no input dominates."""
     dominant_input = point.dominant_input
     if dominant_input is None or any(fault.name != WIDE_INTERVAL_CHECK_NAME for fault in point.faults):
         return ""

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from stiction.calibration.friction_tests import FrictionTest
     from stiction.summary.evaluation import Evaluation
 
-# All values of A/F count as equal up to this relative range.
+# All A/F (area per load) count as equal if their relative range is at most this number.
 MIN_PRINTED_AREA_PER_LOAD_RANGE = 1e-6
 # Tests narrow an interval if they move one of its limits by at least this fraction of the interval's width.
 MIN_NARROWING_FRACTION = 0.05
@@ -46,7 +46,7 @@ MAX_SHOWN_SAMPLES = 800
 
 @dataclass(frozen=True)
 class WantedPairPrediction:
-    """Coefficients of a wanted pair at the loads of its study, and its intervals after further tests at the first load.
+    """Predicted coefficients of a wanted pair at all study loads, and at the first load after further friction tests.
 
     `points` has the text of each load, and the coefficient with its interval.
     """
@@ -71,7 +71,7 @@ def predict_wanted_pair(interface: Interface, result: Evaluation) -> WantedPairP
 def calibration_text(
     interface: Interface, pair_notes: Sequence[str] = (), prediction: WantedPairPrediction | None = None
 ) -> str:
-    """Return a calibration as text: mu0 + tau0 A/F, the fits and, if the tests separate them, mu0 and tau0.
+    """Return a calibration as text: mu0 + tau0 A/F, mu0 and tau0, junction growth, and the fit under each sliding rule.
 
     `pair_notes` are paragraphs about the tested pairs, from `tested_pair_notes`. `prediction` replaces the table of
     tests that would separate mu0 and tau0.
@@ -108,7 +108,7 @@ def calibration_text(
 
 
 def _describe_prediction(prediction: WantedPairPrediction, rule: str) -> Iterator[str]:
-    """Yield the predicted coefficients, and a table of further tests by the interval that they would leave."""
+    """Yield the predicted coefficients, and a table of further tests with the interval expected after each test."""
     for text, limits in prediction.points:
         yield f"predicted at {text}: μ_s = {Estimate(*limits)}  {rule}"
     yield ""
@@ -150,7 +150,7 @@ def list_lay_notes(name: str, result: Evaluation) -> list[str]:
 
 
 def _area_per_load_text(interface: Interface) -> str:
-    """Return a sentence on the ratio A/F in the tests: its mean with interval, and its range."""
+    """Return a sentence on the true area per load A/F in the tests: mean with interval, and range."""
     area_per_load, ratios = interface.fits[0].area_per_load, np.array([test[0] for test in interface.tests])
     is_exact = not np.isfinite(area_per_load).all() or _are_ratios_equal(area_per_load)
     low, high = (math.nan, math.nan) if is_exact else np.quantile(area_per_load, [0.025, 0.975])
@@ -190,7 +190,7 @@ def _describe_unseparated_mu0_tau0(interface: Interface) -> Iterator[str]:
 
 
 def _find_ends_of_strengths(interface: Interface) -> tuple[tuple[str, str], tuple[str, str]]:
-    """Return medians of mu0 and tau0 at both ends of the line that the tests allow, the end with the highest mu0 first.
+    """Return the medians of mu0 and tau0 as text, first for the lowest tau0, then for the lowest mu0 that tests allow.
 
     The samples at an end have tau0 = 0 or mu0 = 0. If the tests exclude this value, the samples are the 5 % with the
     lowest tau0 or mu0, whose median is the lower limit of an interval with 95 % of all samples.
@@ -291,7 +291,7 @@ def calibration_json(
 
 
 def _build_prediction_fields(prediction: WantedPairPrediction | None) -> dict[str, Any]:
-    """Return the predicted coefficients and the planned tests as fields of a JSON record; empty without a target."""
+    """Return predicted coefficients and planned tests as JSON fields; {} if no prediction is requested."""
     if prediction is None:
         return {}
     return {
@@ -333,7 +333,7 @@ _KEYS_PRINTED_WITHOUT_NAME = ("conditions", "source")
 
 
 def calibration_figure(interface: Interface) -> Figure:
-    """Draw a figure 170 mm wide: measured coefficients against A/F, and the joint distribution of mu0 and tau0.
+    """Draw a figure 170 mm wide: coefficients against true area per load, and the joint distribution of mu0 and tau0.
 
     Parameters
     ----------

@@ -33,28 +33,28 @@ from stiction.views.spreadsheet import frame_to_csv
 NUM_SLOPE_WAVELENGTHS = 4
 # Unreliable wavelengths are mentioned if they cause at least this fraction of the mean square slope.
 NEGLIGIBLE_SLOPE_FRACTION = 0.01
-# Minimum spectral density at a reported peak, relative to the density at longer wavelengths.
+# A peak is reported if its spectral density is at least this multiple of the density at longer wavelengths.
 _MIN_PEAK_DENSITY_RATIO = 3.0
-# Minimum number of wavelengths in the spectrum above the wavelength of a reported peak.
+# A peak is reported only if the spectrum has at least this number of longer wavelengths.
 _MIN_LONGER_WAVELENGTHS = 4
 # Minimum contribution of a reported peak to the fourth spectral moment, as a fraction.
 _MIN_PEAK_MOMENT_FRACTION = 0.1
-# Minimum dispersion of a spectrum about its fit for which the scatter is reported.
+# The scatter of a spectrum about its fit is reported if the dispersion is at least this number.
 _MIN_REPORTED_DISPERSION = 2.0
 
-# Units in printed tables, by the unit in JSON.
+# Units in printed tables. The key is the unit in JSON.
 _UNIT_SYMBOLS = {"1": "", "um2": " µm²", "1/um": " 1/µm", "1/um2": " 1/µm²", "degrees": "°"}
 # `_json_unit` does not convert the unit of dimensionless parameters.
 _JSON_UNIT_EXCEPTIONS = {"": "1"}
 
 
 class TableRow(NamedTuple):
-    """Row in the table of a characterisation: label, text (or texts for x and y), and numbers for JSON and CSV."""
+    """Row of a characterisation table: label, one text (or one each for x and y), and numbers for JSON and CSV."""
 
     label: str
     texts: tuple[str, ...]
     values: tuple[Estimate, ...] = ()
-    # True if only `--verbose` prints the row.
+    # True if the row is printed only with `--verbose`.
     is_detail: bool = False
 
 
@@ -308,13 +308,13 @@ class CharacterisationTable:
         return rows
 
     def _density_ratio_at_longest_wavelength(self, longest: float) -> float:
-        """Return the mean spectral density near the longest wavelength of a band, relative to longer wavelengths.
+        """Return the spectral density near `longest` (µm), divided by the density at longer wavelengths.
 
         The ratio is 0 if the spectrum has too few longer wavelengths.
         """
         spectrum = self.scan.binned_spectrum if self.scan.spectrum is None else self.scan.spectrum
         q, band_start = spectrum.wave_number, 2 * math.pi / longest
-        # The longest wavelengths are excluded, because the window or levelling affects them.
+        # The longest wavelengths are excluded, because the window function or levelling changes their density.
         is_longer = (q > 2.5 * q[0]) & (q < band_start / 1.5)
         is_at_start = (q >= band_start / 1.2) & (q < band_start * 1.2)
         if is_longer.sum() < _MIN_LONGER_WAVELENGTHS or not is_at_start.any():
@@ -460,7 +460,7 @@ def _json_unit(parameter: ParameterDefinition) -> str:
 
 
 def _tip_limit_text(limit: InstrumentLimit) -> str:
-    """Return a sentence on wavelengths that pixels and noise would allow, but that the tip does not resolve.
+    """Return the text on the tip's resolution: the wavelength below which the tip does not resolve the surface.
 
     No cutoff is suggested, because filtering does not restore these wavelengths.
     """

@@ -35,13 +35,13 @@ OUTPUT_FILE_SIGNATURES = {
 
 
 def check_all_replaceable(directory: Path, file_marks: Mapping[str, bytes]) -> None:
-    """Raise a `ValueError` if an existing file lacks its mark, which only files written by stiction contain."""
+    """Raise a `ValueError` if an existing file lacks the mark by which stiction recognises files that it wrote."""
     for name, file_mark in file_marks.items():
         check_replaceable(directory / name, file_mark, ValueError)
 
 
 def replace_text_file(path: Path, text: str, file_mark: bytes) -> None:
-    """Write a text file, or raise a `ValueError` if an existing file does not contain `file_mark`."""
+    """Write a text file; raise a `ValueError` if the file exists and does not contain `file_mark`."""
     with replace_file_atomically(path, file_mark, ValueError) as partial_path:
         partial_path.write_text(text, encoding="utf-8")
 
@@ -99,7 +99,7 @@ def write_result(result: Evaluation, path: Path) -> None:
 
 
 def write_table_at_loads(result: Evaluation, path: Path, load: Any) -> None:
-    """Write a table of a result at given loads, as for `Result.at`, to a new file in one of `TABLE_FORMATS`.
+    """Write a table of results at given loads, as for `Result.at`, to a new file in one of `TABLE_FORMATS`.
 
     Raises a `ValueError` as `write_result` does.
     """
@@ -111,7 +111,7 @@ def write_table_at_loads(result: Evaluation, path: Path, load: Any) -> None:
 def write_joint_table(
     result: Evaluation, path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS, *, load: Any = None
 ) -> None:
-    """Write the joint table of a result, at all loads or at given ones, to a new file in one of `JOINT_FORMATS`.
+    """Write the joint table of a result, at all loads or at given loads, to a new file in one of `JOINT_FORMATS`.
 
     Raises a `ValueError` as `write_result` does, or if the result has no joint table.
     """
@@ -122,7 +122,7 @@ def write_joint_table(
 
 
 SHEAR_PARAMETER_FORMATS = {".csv": ("a table", shear_parameters_csv), ".json": ("a table", shear_parameters_json)}
-"""Formats of the joint-model parameters of a shear test: description and function that writes them, by extension."""
+"""Formats of the joint-model parameters of a shear test, by extension: description and formatting function."""
 
 
 def write_shear_parameters(test: xarray.Dataset, path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> None:
@@ -137,7 +137,7 @@ def write_shear_parameters(test: xarray.Dataset, path: Path, units: UnitSystem =
 
 
 def check_joint_file(path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> None:
-    """Check file name and units before a joint table is computed.
+    """Check file name and units for a joint table, before the table is computed.
 
     Raises the same errors as `write_joint_table`.
     """
@@ -152,7 +152,7 @@ def is_card(path: Path) -> bool:
 
 
 def check_file_extension(path: Path, descriptions: Mapping[str, str]) -> None:
-    """Raise a `ValueError` if a file name has none of the extensions for which there are descriptions."""
+    """Raise a `ValueError` if the extension of a file name is not a key of `descriptions`."""
     if path.suffix.lower() not in descriptions:
         allowed_extensions = " or ".join(f"{extension} ({text})" for extension, text in descriptions.items())
         raise ValueError(f"{printable_path(path)}: the file name must end in {allowed_extensions}")

@@ -28,7 +28,7 @@ _COLUMN_TITLES = {
     "normal_stiffness": (f"stiffness over area ({STIFFNESS_PER_AREA_UNIT})", 1.0), "approach": ("approach (um)", 1.0),
     "stiffness_factor": (f"b of k/A0 = b p^c ({STIFFNESS_PER_AREA_UNIT} at 1 GPa)", 1.0),
 }  # fmt: skip
-"""Column titles that replace those of `column_title_and_factor`, each with the factor that converts to its unit."""
+"""Column titles that replace the titles of `column_title_and_factor`, each with a unit conversion factor."""
 
 MAX_LISTED_REMEDIES = 3
 _LOAD_QUANTITIES = tuple(_COLUMN_TITLES)[:4]
@@ -48,7 +48,7 @@ def friction_table_csv(table: xarray.Dataset) -> str:
 
 
 def fitted_laws_csv(table: xarray.Dataset) -> str:
-    """Return the fitted laws A/A0 = a p and k/A0 = b p^c (p in GPa) as CSV, one row per H and Sq."""
+    """Return the fitted laws A/A0 = a p and k/A0 = b p^c (p in GPa) as CSV, one row per Hurst exponent and Sq."""
     return _format_law_table(table[list(_LAW_QUANTITIES)], _COORDINATE_COLUMNS[1:3])
 
 

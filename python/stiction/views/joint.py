@@ -51,7 +51,7 @@ def joint_frame(table: JointTable) -> pandas.DataFrame:
 
 
 def joint_csv(table: JointTable, source: str) -> str:
-    """Return a joint table as CSV, without the description of the pair and without the notes."""
+    """Return the rows of a joint table as CSV, without the notes and without `source`, which describes the pair."""
     del source
     return frame_to_csv(joint_frame(table))
 
@@ -185,7 +185,7 @@ def liggghts_card(table: JointTable, source: str) -> str:
 
 
 def _list_increasing_rows(table: JointTable) -> list[JointRow]:
-    """Return the rows whose closure is larger than in all previous rows of a joint table, as other programs require."""
+    """Return the rows of a joint table with a larger closure than all rows before, as other programs require."""
     rows: list[JointRow] = []
     for row in table.rows:
         if row.estimates["closure"].value > (rows[-1].estimates["closure"].value if rows else 0.0):
@@ -228,12 +228,12 @@ _CARD_COLUMNS = (
 )  # fmt: skip
 """Names of the estimates that a card lists in comments.
 
-Others would exceed the line limit of Abaqus (256 characters).
+More estimates would exceed the line limit of Abaqus (256 characters).
 """
 
 
 def _comment_table(table: JointTable, prefix: str, given: Collection[str] = ()) -> list[str]:
-    """Return the main columns of a joint table as comment lines, with intervals.
+    """Return the main columns of a joint table, with intervals, as comment lines of an input card.
 
     The card itself contains the estimates named in `given`, so only their intervals are listed.
     """

@@ -29,7 +29,7 @@ class WrappedText:
 class Table:
     """Table with aligned columns.
 
-    Its first row contains the headings.
+    The first row of the table contains the headings.
 
     Columns that do not fit are moved to further tables, which repeat the first `num_labels` columns.
     """
@@ -40,7 +40,7 @@ class Table:
 
 @dataclass(frozen=True)
 class ShortenedList:
-    """List of which only the first lines are printed, followed by the number of omitted lines.
+    """List that is printed in part: the first lines, followed by the number of omitted lines.
 
     At most `max_shown` lines within `max_height` rows of the terminal are printed, but at least `min_shown` lines.
     There is no limit if `max_shown` or `max_height` is None.

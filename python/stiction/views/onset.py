@@ -15,7 +15,7 @@ from stiction.views.point import coordinate_text
 if TYPE_CHECKING:
     from stiction.study.study import Study
 
-# Fraction of the sliding load at which texts and tables state the slipping fraction of the contact.
+# Tangential load, as a fraction of the sliding load, for which texts and tables state the slipping fraction.
 QUOTED_LOAD_FRACTION = 0.5
 # Amplitudes of cyclic tangential loads, as fractions of the sliding load.
 CYCLE_AMPLITUDES = (0.5, 0.9)
@@ -69,7 +69,7 @@ PICOJOULE = 1e-3  # mN µm
 
 
 def onset_note(onset: OnsetSummary, study: Study) -> str:
-    """Return a note on the onset of sliding: number of averaged members, and assumptions."""
+    """Return a note on the onset of sliding: number of averaged surface pairs, and assumptions."""
     count_text = study.member_names.with_count(onset.num_members)
     text = f"The onset of sliding is a mean over {count_text}, with friction at all contacts."
     if not onset.is_poisson_ratio_given and math.isfinite(onset.stiffness.value):
@@ -78,7 +78,7 @@ def onset_note(onset: OnsetSummary, study: Study) -> str:
 
 
 def _law_text(study: Study) -> str:
-    """Return a sentence on the contact law if the onset of sliding neglects its stiffness, or an empty text."""
+    """Return a sentence if the onset of sliding uses Hertzian stiffness with another contact law, or "" otherwise."""
     contact: Any = study.contact
     if study.uses_half_space:
         return ""

@@ -68,7 +68,7 @@ def _select_overview_points(points: Sequence[PointSummary]) -> Sequence[PointSum
 
 
 def _overview_table(points: Sequence[PointSummary], rule: str, varying_names: Sequence[str]) -> Table:
-    """Return a table of coefficients under one sliding rule: rows for mu0, tau0 and D, columns for loads."""
+    """Return a coefficient table for one sliding rule: rows for mu0, tau0 and fractal dimension, columns for loads."""
     row_names = ("mu0", "tau0", "fractal_dimension")
     cells_by_row: dict[tuple[float, ...], list[str]] = {
         key: [] for key in itertools.product(*(dict.fromkeys(point.at[name] for point in points) for name in row_names))
@@ -92,7 +92,7 @@ def _overview_table(points: Sequence[PointSummary], rule: str, varying_names: Se
 def _omission_text(printed_points: Sequence[PointSummary], points: Sequence[PointSummary], study: Study) -> str:
     """Return a sentence on the omitted coefficients and the command that prints them.
 
-    Returns "" if none are omitted.
+    Returns "" if no coefficients are omitted.
     """
     num_values = {name: len({point.at[name] for point in points}) for name in ("fractal_dimension", "mu0", "tau0")}
     num_values["fractal_dimension"] = study.surfaces.cell_coordinates()["fractal_dimension"].size

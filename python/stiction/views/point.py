@@ -38,7 +38,7 @@ CONTRIBUTION_LABELS = {
 
 
 def sliding_rule_text(point: PointSummary, rule: str) -> str:
-    """Return a phrase on a sliding rule, with a remark if the interface was calibrated under the other rule."""
+    """Return a phrase on a sliding rule, with a remark if mu0 and tau0 were calibrated under the other rule."""
     text = SLIDING_RULE_DESCRIPTIONS[rule]
     if point.calibrated_rule in (None, rule):
         return text
@@ -51,7 +51,7 @@ def coordinate_text(name: str, value: float) -> str:
 
 
 def point_coordinate_text(point: PointSummary, name: str) -> str:
-    """Return the value of one coordinate of a result point as text, for example of its load.
+    """Return one coordinate of a result point, such as the load, as text with its unit.
 
     For the cutoff, both bodies are named if their cutoffs differ.
     """

@@ -36,9 +36,9 @@ class QuantityRow:
     name: str
     label: str
     estimates: Sequence[Estimate]
-    # Number of digits for numbers without intervals. It is None if intervals are printed.
+    # Number of printed digits of numbers without intervals, or None if intervals are printed.
     num_digits: int | None = None
-    # Statuses of the points. A status other than "ok" replaces the number.
+    # Status of each result point. A status other than "ok" is printed instead of the number.
     statuses: Sequence[str] = ()
 
 
@@ -95,7 +95,7 @@ def _list_printed_quantities(point: PointSummary, *, verbose: bool, is_sentence:
     """Return the names of the quantities that are printed for a result point, in the order of `QUANTITIES`."""
     has_area_fraction = "contact_area_fraction" in point.quantities and not math.isnan(point.nominal_pressure)
     is_hidden = {
-        # The mean pressure follows from load and area, so the sentence leaves it out.
+        # The sentence leaves out the mean pressure, which follows from load and area.
         "mean_pressure": is_sentence,
         "contact_area": has_area_fraction and not verbose, "contact_area_fraction": not has_area_fraction,
         **dict.fromkeys(("closure", "closure_stiffness"), not (verbose or point.study.is_gap)),
@@ -114,7 +114,7 @@ def percent_text(fraction: float) -> str:
 
 
 def _find_quantile(point: PointSummary, name: str, fraction: float) -> Estimate:
-    """Return the stored quantile of a distribution whose probability is closest to `fraction`."""
+    """Return the stored quantile of a distribution at the probability closest to `fraction`."""
     quantiles = point.distributions[name]
     return quantiles[min(quantiles, key=lambda fraction_below: abs(fraction_below - fraction))]
 
@@ -136,7 +136,7 @@ def quantity_label(name: str, study: Study) -> str:
 
 
 def _format_row(row: QuantityRow, *, is_sentence: bool) -> list[str]:
-    """Return the label, unit and numbers of a table row as texts, in the unit that needs the fewest zeros.
+    """Return label, unit and numbers of a table row as texts, in the unit for which the numbers have the fewest zeros.
 
     A missing interval is stated only in tables.
     """

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None, study: Study) -> list[Paragraph]:
-    """Return paragraphs on resolved wavelengths, friction at cutoffs and, without a hardness, cutoffs at yield."""
+    """Return paragraphs on resolved wavelengths, friction at cutoffs and, without a hardness, the onset of yield."""
     paragraphs: list[Paragraph] = []
     scan = resolution.roughness
     if scan is not None:
@@ -36,7 +36,7 @@ def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None, 
 
 
 def resolved_wavelengths_text(scan: ResolvedRoughness) -> str:
-    """Return a sentence on the resolved wavelengths, and on the fraction of h'² in the shortest octave."""
+    """Return a sentence on the resolved wavelengths, and on the mean square slope in the shortest octave."""
     fraction = format_percent(scan.shortest_octave_fraction)
     return (
         f"Wavelengths from {format_with_unit(scan.shortest, 'um')} to {format_with_unit(scan.longest, 'um')}; "
@@ -82,7 +82,7 @@ def _coefficient_text(value: float) -> str:
 
 
 def cut_off_note(resolution: ResolutionEffect, study: Study) -> str:
-    """Return the note below the table of friction at cutoffs."""
+    """Return the note on the table of friction at cutoffs: averaged surface pairs, and meaning of the plastic limit."""
     count_text = study.member_names.with_count(resolution.members)
     text = f"The surfaces are low-pass filtered at the cutoff; means over {count_text}."
     if resolution.plastic_limit is not None:
@@ -97,7 +97,7 @@ def cut_off_note(resolution: ResolutionEffect, study: Study) -> str:
 
 
 def yield_wavelength_rows(estimates: Sequence[YieldWavelengthEstimate], scan: ResolvedRoughness) -> TextRows:
-    """Return a table of yield wavelengths with one row per hardness.
+    """Return a table of the wavelengths below which contacts yield, with one row per hardness.
 
     Returns an empty list without estimates.
     """
@@ -126,7 +126,7 @@ ELASTIC_RESULT_CAVEAT = (
 
 
 def resolution_record(resolution: ResolutionEffect) -> dict[str, Any]:
-    """Return resolved wavelengths, friction at cutoffs and, without a hardness, yield wavelengths as JSON fields."""
+    """Return resolved wavelengths, friction at cutoffs and, without a hardness, the onset of yield as JSON fields."""
     record: dict[str, Any] = {}
     if (scan := resolution.roughness) is not None:
         record["wavelengths"] = {

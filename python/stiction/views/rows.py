@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
 
 
-# These columns of a CSV file identify the result point of a row.
+# Columns of a CSV file that identify the result point of a row.
 _POINT_COORDINATES = (*CELL_DIMENSIONS, "load", "mu0", "tau0")
 
 COORDINATE_ORDER = (
@@ -59,7 +59,7 @@ _COEFFICIENT_COLUMNS = {
     "friction_by_axis": "axis",
     "friction_coefficient": "direction",
 }
-"""Variables that contain coefficients, each with the text or the coordinate in the CSV column for the motion."""
+"""Entry of the CSV column `motion` for each variable with coefficients: a text, or the name of a coordinate."""
 
 _VALUE_COLUMNS = ("name", "value", "unit", "lower", "upper", "kind", "status")
 
@@ -105,7 +105,7 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
 
 
 def _quantity_columns(dataset: xarray.Dataset, name: str) -> dict[str, Any]:
-    """Return the columns of `_quantity_rows` by name, each as an array or as a single value for all rows.
+    """Return a quantity's data-frame columns, keyed by name: arrays, or single entries that apply to all rows.
 
     The columns are created from NumPy arrays, because xarray datasets are ten times slower.
     """
@@ -114,7 +114,7 @@ def _quantity_columns(dataset: xarray.Dataset, name: str) -> dict[str, Any]:
     shape = tuple(dataset.sizes[dim] for dim in dims)
 
     def broadcast_to_rows(variable: xarray.Variable) -> Any:
-        """Return a variable of the dataset as a flat array with one element per row of the data frame."""
+        """Broadcast a variable to the rows of the data frame, and return the flattened array."""
         values = variable.transpose(*(dim for dim in dims if dim in variable.dims)).values
         slices = tuple(slice(None) if dim in variable.dims else None for dim in dims)
         return np.broadcast_to(values[slices], shape).ravel()
@@ -141,7 +141,7 @@ def _quantity_columns(dataset: xarray.Dataset, name: str) -> dict[str, Any]:
         columns["status"] = np.where(np.isfinite(columns["value"]), STATUS_OK, "no-mean")
     is_directed = name in QUANTITIES and QUANTITIES[name].is_directed
     for coordinate in COORDINATE_ORDER:
-        # A single sliding rule or direction is a scalar coordinate, which becomes a column, too.
+        # A single sliding rule or direction is a scalar coordinate of the dataset, and becomes a column, too.
         is_scalar = coordinate in dataset.coords and not dataset.variables[coordinate].ndim
         if coordinate in dims or (is_scalar and (is_directed or coordinate not in ("sliding", "direction"))):
             columns[coordinate] = broadcast_to_rows(dataset.variables[coordinate])
@@ -209,7 +209,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
 def _merge_quantities(
     table: pandas.DataFrame, dataset: xarray.Dataset, study: Study, keys: Sequence[str]
 ) -> pandas.DataFrame:
-    """Add to a table of coefficients the columns of all quantities that a CSV file contains.
+    """Add the columns of each quantity in a CSV file (number and interval limits) to a table of coefficients.
 
     `keys` are the columns that identify the rows of a quantity, if the quantity depends on them. Quantities with the
     same rows are added in one step, because each step takes several milliseconds.
@@ -217,7 +217,7 @@ def _merge_quantities(
     import pandas
 
     titles = [str(name) for name in table]
-    # Columns of the quantities with the same rows, by the columns that identify the rows.
+    # Columns of the quantities, grouped by the names of the columns that identify their rows.
     columns_by_keys: dict[tuple[str, ...], list[dict[str, Any]]] = {}
     for name in _csv_quantities(dataset):
         rows = _quantity_columns(dataset, name)
@@ -248,7 +248,7 @@ def _csv_quantities(dataset: xarray.Dataset) -> list[str]:
 
 
 def _build_coefficient_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return columns, by title, for coefficients after dwell times and for the roughness contribution to mu_s.
+    """Return columns keyed by title: coefficients after each dwell time, and the contribution of roughness to mu_s.
 
     Each column has one number per result point and sliding rule, which is NaN for all rules except the reported rule.
     """
@@ -292,7 +292,7 @@ def _assessment_table(
 
 
 def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return columns with the longest cutoff (µm) of each body, or {} if both bodies have the same cutoffs."""
+    """Return the columns with the longest cutoff (µm) of each body, or {} if both bodies have equal cutoffs."""
     cutoffs = [tuple(map(max, point.cutoffs)) if point.cutoffs is not None else (0.0, 0.0) for point in points]
     if all(upper == lower for upper, lower in cutoffs):
         return {}
@@ -327,7 +327,7 @@ def value_records(rows: pandas.DataFrame) -> list[dict[str, Any]]:
     estimate_records = []
     for row in rows.to_dict("records"):
         selected_values = {name: row.pop(name) for name in _VALUE_COLUMNS}
-        # A coordinate is NaN if the quantity does not depend on it.
+        # A coordinate on which the quantity does not depend is NaN, and is left out.
         coordinates = {name: value for name, value in row.items() if value == value}
         estimate_records.append(Estimate(**selected_values).to_record(coordinates))
     return estimate_records
@@ -339,7 +339,7 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         "at": point.at,
         # Cutoffs (µm) of all scans of the upper and of the lower body.
         "cutoffs": None if point.cutoffs is None else _build_body_fields(map(list, point.cutoffs)),
-        # False for a point whose cutoff is already covered by the interval of a reported point.
+        # False if the interval of a reported point already covers the cutoff of this point.
         "reported": not point.covered,
         "status": point.status,
         "rules": [
@@ -391,5 +391,5 @@ def _rate_and_state_record(point: PointSummary) -> dict[str, Any] | None:
 
 
 def _build_body_fields(values: Iterable[Any]) -> dict[str, Any]:
-    """Return a property of both bodies as two fields of a JSON record, one for the upper and one for the lower body."""
+    """Return a property of both bodies as the JSON fields "upper_body" and "lower_body"."""
     return {f"{side}_body": value for side, value in zip(SIDES, values, strict=True)}

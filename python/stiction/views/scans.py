@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 MAX_SLOPE_ROWS = 12
 
 COMPARED_MATERIALS = ("PMMA", "bearing steel", "titanium alloy", "brass", "aluminium")
-"""Materials for which the figure draws a line at hardness / E*, with E* of two bodies of the material."""
+"""Materials for which the figure draws a line at hardness / E*, where both bodies are made of the material."""
 
 SCAN_COLOURS = (NOT_OPPOSING_CONTACT_COLOUR, AREA_COLOUR, OPPOSING_CONTACT_COLOUR, "#cc79a7", "#56b4e9", "#e69f00")
 MAX_LABEL_LENGTH = 24  # characters
@@ -49,7 +49,7 @@ MAX_LABEL_LENGTH = 24  # characters
 
 
 def joined_spectrum_text(joined: JoinedSpectrum, caveats: Sequence[Caveat] = ()) -> str:
-    """Return a joined spectrum as text: slopes, caveats, and what each scan contributes."""
+    """Return a joined spectrum as text: a table of the scans, a table of slopes and curvatures, and caveats."""
     rows = [["scan", "wavelengths used", "limited by", "compared with the others"]]
     for name, (shortest, longest), reason, power_ratio, expected_deviation in zip(
         joined.names, joined.bands, joined.reasons, joined.disagreement, joined.chance, strict=True
@@ -224,7 +224,7 @@ def repeated_scans_text(comparison: RepeatedScans, caveats: Sequence[Caveat] = (
 
 
 def describe_mean_scan_noise(comparison: RepeatedScans) -> str:
-    """Return a sentence on the noise in the mean of two scans, and on the cutoff that limits the noise to a tenth."""
+    """Return a sentence on the noise in the slope of the averaged scan, and on the cutoff that limits this noise."""
     if math.isnan(comparison.limit):
         return "At any cutoff, more than a tenth of the mean square slope of the mean scan is noise."
     if comparison.slope_fraction <= MAX_UNATTRIBUTED_FRACTION:
@@ -248,7 +248,7 @@ def repeated_scans_record(comparison: RepeatedScans, caveats: Sequence[Caveat] =
 
 
 def octave_noise_csv(comparison: RepeatedScans) -> str:
-    """Return the noise of two scans in each octave as CSV, with the cutoff that limits the noise of their mean."""
+    """Return the noise of two scans in each octave as CSV, below a sentence on the noise of the averaged scan."""
     import pandas
 
     columns = {

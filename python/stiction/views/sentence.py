@@ -32,15 +32,15 @@ if TYPE_CHECKING:
     from stiction.study.interfaces import InterfaceStrength
     from stiction.study.study import Study
 
-# The sentence states the definition of the load if it changes the coefficient by more than this fraction.
+# The load definition is stated if the other definition changes the coefficient by more than this fraction.
 MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
-# The range for finer scans is printed if it is at least this fraction of the interval's width.
+# The friction range of finer scans is printed if its width is at least this fraction of the interval's width.
 MIN_STATED_FINER_SCAN_RANGE = 0.05
 MIN_STATED_KAPPA_DEVIATION = 0.2
-"""Largest relative deviation of A E* h'/F from its usual value for which the small-slope estimate applies."""
+"""Largest relative deviation of κ = A E* h'/F from the usual value for which the small-slope estimate applies."""
 
 DEFAULT_KAPPA = float(signature(gentle_friction).parameters["kappa"].default)
-"""Usual value of A E* h'/F, which `gentle_friction` assumes by default."""
+"""Usual value of the area coefficient κ = A E* h'/F, which `gentle_friction` assumes by default."""
 
 
 def finer_scan_text(point: PointSummary) -> str:
@@ -54,7 +54,7 @@ def finer_scan_text(point: PointSummary) -> str:
     bounds_text = f"{lower_bound} (μ0 + τ0/{'H′' if point.has_junction_growth else 'H'})" + (
         f" to {upper_bound}" if lower_bound != upper_bound else ""
     )
-    # Small contacts may be harder because of the indentation size effect.
+    # The indentation size effect may make small contacts harder.
     bounds_text += ", unless small contacts are harder"
     return f"with H = {format_with_unit(point.hardness, 'GPa')} a finer scan would give {bounds_text}"
 
@@ -123,7 +123,7 @@ def point_assessment_text(point: PointSummary) -> str:
 
 
 def roughness_contribution_text(point: PointSummary) -> str:
-    """Return a clause on what roughness contributes to friction.
+    """Return a clause on the contribution of roughness to friction.
 
     Returns "" if the contribution is unknown.
     """
@@ -186,7 +186,7 @@ def junction_growth_text(growth: UncertainInput) -> str:
 
 
 def contact_hardness_text(points: Sequence[PointSummary], indent: float) -> str:
-    """Return a phrase on the hardness of the contacts, and on the indentation depth (µm) at which H was measured.
+    """Return a phrase on the hardness in the contacts, and on the depth `indent` (µm) at which hardness was measured.
 
     The hardness increases with decreasing load. For several result points, the text has the range of the hardness, and
     the interval encloses the intervals of all points.
@@ -208,7 +208,7 @@ def area_loss_text(study: Study, loss: UncertainInput) -> str:
 
 
 def _input_range_text(point: PointSummary, name: str) -> str:
-    """Return the range of mu0 or tau0 in brackets, or "" if a result point does not have its central value."""
+    """Return the range of mu0 or tau0 in brackets, or "" if the input is exact or differs from its central value."""
     entry = Inputs.from_study(point.study).uncertain.get(name)
     return f" ({entry.estimate.text})" if entry is not None and has_central_value(point.study, point.at, name) else ""
 
@@ -230,16 +230,13 @@ def _interface_text(point: PointSummary) -> str:
 
 
 def possible_zeros_text(interface: InterfaceStrength, conjunction: str) -> str:
-    """Return "μ0 = 0", "τ0 = 0" or both for values that the tests of an interface do not exclude; "" if they do."""
+    """Return the zeros that the tests of an interface do not exclude as text: "μ0 = 0", "τ0 = 0", both, or ""."""
     symbols = {"mu0": "μ0", "tau0": "τ0"}
     return conjunction.join(f"{symbols[name]} = 0" for name in interface.possible_zeros)
 
 
 def _hardness_range_text(study: Study) -> str:
-    """Return the range of the hardness in brackets.
-
-    Returns "" if the hardness has no range or is not given.
-    """
+    """Return the range of the hardness in brackets, or "" if the hardness is exact or not given."""
     hardness_input = Inputs.from_study(study).uncertain.get("hardness")
     if hardness_input is None:
         return ""
@@ -259,7 +256,7 @@ _LOAD_DEFINITION_TEXTS = {
 
 
 def result_point_note(point: PointSummary) -> str:
-    """Return a note on the directions and members that are averaged, and on the definition of the load."""
+    """Return a note on averaged directions and members, the number of scans, and the definition of the load."""
     study, items = point.study, []
     if study.surfaces.press == "lines" and len(point.directions) == 2:
         items.append("the mean over both directions")
@@ -284,7 +281,7 @@ def result_point_note(point: PointSummary) -> str:
 
 
 def shared_conditions_text(points: Sequence[PointSummary]) -> str:
-    """Return as text what all result points have in common: inputs, averaged members, and assumptions."""
+    """Return the conditions that all result points share as text: inputs, averaged members, and assumptions."""
     inputs = [inputs_text(point, points).split(", ") for point in points]
     common_inputs = [text for text in inputs[0] if all(text in other_inputs for other_inputs in inputs)]
     common_inputs_note = f"with {', '.join(common_inputs)}; " if common_inputs else ""
@@ -351,7 +348,7 @@ def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
 
 
 def _scan_count_text(study: Study) -> str:
-    """Return the number of scans of each body as text, with a remark if one body has a single scan."""
+    """Return the number of scans of each body as text, with a remark on a body that has a single scan."""
     scan_counts = study.surfaces.scan_counts
     if study.is_gap:
         return "one gap at its only position"
@@ -407,7 +404,7 @@ def _are_finer_scans_relevant(point: PointSummary) -> bool:
 
 
 def roughness_text(point: PointSummary) -> str:
-    """Return a sentence on the contribution of roughness to friction, and on the inputs that determine the rest.
+    """Return a sentence on the contribution of roughness to friction, and on the inputs that determine the remainder.
 
     The text is empty if the contribution is unknown.
     """
@@ -434,7 +431,7 @@ def contributions_text(point: PointSummary) -> str:
 
 
 def single_test_text(point: PointSummary) -> str:
-    """Return a sentence on the prediction interval of a single test, compared with the interval of the mean."""
+    """Return a sentence on the prediction interval of a single test and, if it differs, on the interval of the mean."""
     estimate = point.rules[0]
     if not math.isfinite(estimate.prediction_interval.lower) or estimate.prediction_interval == estimate.interval:
         return ""

@@ -36,18 +36,18 @@ if TYPE_CHECKING:
 MAX_PRINTED_DISPLACEMENTS = 13
 # Minimum width (degrees) of the interval of a dilation angle for which the interval is printed.
 MIN_PRINTED_ANGLE_RANGE = 1.0
-# Largest load fraction at the edges of the faces without a caveat.
+# A shear test gets a caveat if the edges of the faces carry more than this fraction of the load.
 MAX_EDGE_LOAD_FRACTION = 0.2
-# Largest load fraction on yielded points without a caveat.
+# A shear test gets a caveat if yielded points carry more than this fraction of the load.
 MAX_YIELDED_LOAD_FRACTION = 0.5
-# Largest initial contact area, as a fraction of the overlap area, without a caveat.
+# A shear test gets a caveat if the initial contact area exceeds this fraction of the overlap area.
 MAX_INITIAL_AREA_FRACTION = 0.5
 # Largest peak friction coefficient that Barton and Choubey (1977) recommend for use in design.
 MAX_DESIGN_PEAK_COEFFICIENT = math.tan(math.radians(70))
-# Registered faces get a caveat if their rms gap exceeds a multiple of its noise and a fraction of a height change.
-# The height change is the rms over the sampling interval of Z2.
+# Registered faces get a caveat if their rms gap exceeds both limits.
+# The limits are a multiple of the gap's noise, and a fraction of the rms height change over the interval of Z2.
 MAX_GAP_NOISE_RATIO, MIN_GAP_TO_HEIGHT_CHANGE_RATIO = 3.0, 0.01
-# Lowest initial correlation between the slopes of both faces without a caveat.
+# Faces get a caveat if the initial correlation between the slopes of both faces is below this number.
 MIN_FIT_CORRELATION = 0.5
 
 _CSV_COLUMNS = {
@@ -227,7 +227,7 @@ _INTERVAL_LABELS = {
 
 
 def _list_interval_caveats(test: xarray.Dataset) -> list[str]:
-    """Return a list with one caveat if intervals are open because contacts at a limit of an input are not solved."""
+    """Return at most one caveat, about intervals that are open or missing because a contact has no finite solution."""
     open_texts = []
     for name, (label, points) in _INTERVAL_LABELS.items():
         if f"{name}_interval" not in test:
@@ -317,7 +317,7 @@ def headline_lines(test: xarray.Dataset) -> list[str]:
 
 
 def _find_shear_strength(test: xarray.Dataset) -> int:
-    """Return the index of the displacement at which the shear stress is largest, and equals the shear strength.
+    """Return the index of the displacement at which the shear stress reaches its maximum, the shear strength.
 
     At a variable normal stress, the friction coefficient may be largest at another displacement.
     """
@@ -387,7 +387,7 @@ def _registration_text(attributes: Mapping[Any, Any]) -> str:
 
 
 def _select_rows(test: xarray.Dataset, *, verbose: bool) -> list[int]:
-    """Return the indices of the displacements to print: all, or evenly spaced ones and the displacement at the peak."""
+    """Return the indices of the displacements to print: all, or evenly spaced displacements and the peak."""
     count = test.sizes["displacement"]
     if count <= MAX_PRINTED_DISPLACEMENTS or verbose:
         return list(range(count))
@@ -434,9 +434,10 @@ def _format_column(test: Any, name: str, largest: float) -> tuple[str, list[str]
 
 
 def shear_parameters_csv(test: xarray.Dataset, units: UnitSystem) -> str:
-    """Return the parameters of a joint model that a shear test gives as CSV, one row per normal stress.
+    """Return, as CSV, the joint-model parameters from a shear test, with one row per normal stress.
 
-    Closure and stiffness are in all rows, all others in the last row, which is at the normal stress of the test.
+    Closure and stiffness are in all rows. All other parameters are only in the last row, which is at the normal stress
+    of the test.
     """
     import pandas
 
@@ -455,7 +456,7 @@ def shear_parameters_csv(test: xarray.Dataset, units: UnitSystem) -> str:
 
 
 def shear_parameters_json(test: xarray.Dataset, units: UnitSystem) -> str:
-    """Return the parameters of a joint model that a shear test gives as JSON, with inputs, units and caveats."""
+    """Return, as JSON, the joint-model parameters from a shear test, with inputs, units and caveats."""
     parsed_units = JointUnits.parse(units)
     records = [
         estimate.to_record({"normal_stress": row["normal_stress"].value})
@@ -474,12 +475,12 @@ def shear_parameters_json(test: xarray.Dataset, units: UnitSystem) -> str:
 
 
 def describe_inputs(test: xarray.Dataset) -> dict[str, Any]:
-    """Return the inputs and the summary of a shear test for JSON."""
+    """Return the attributes of a shear test (inputs and summary numbers) as JSON fields."""
     return {str(name): value for name, value in test.attrs.items() if name != "key"}
 
 
 def _list_parameter_rows(test: xarray.Dataset, units: UnitSystem) -> list[dict[str, Estimate]]:
-    """Return the parameters of a joint model by name, for each normal stress, in a unit system."""
+    """Return the joint-model parameters at each normal stress, in a unit system: one dictionary per normal stress."""
     parsed_units = JointUnits.parse(units)
     rows = [
         {
@@ -493,7 +494,7 @@ def _list_parameter_rows(test: xarray.Dataset, units: UnitSystem) -> list[dict[s
 
 
 def _estimate_parameters(test: xarray.Dataset) -> dict[str, Estimate]:
-    """Return the parameters of a joint model at the normal stress of a shear test, in core units."""
+    """Return the parameters of a joint model at the normal stress of a shear test (lengths in µm, stresses in GPa)."""
     values, end, status = headline_estimates(test), test.sizes["displacement"] - 1, str(test.attrs["peak_status"])
     normal_stress = displacement = math.nan
     if status == STATUS_OK:

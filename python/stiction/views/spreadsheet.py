@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     import pandas
 
 FORMULA_START_CHARACTERS = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠")
-"""First characters of a cell because of which a spreadsheet program would interpret the cell as a formula."""
+"""Characters at the start of a cell that make a spreadsheet program interpret the cell as a formula."""
 
 
 def frame_to_csv(frame: pandas.DataFrame, *, float_format: str = "%.9g") -> str:

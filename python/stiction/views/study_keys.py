@@ -62,7 +62,7 @@ _ALLOWED_VALUE_TEXTS = {
     "upper": "a section, see below",
     "lower": "a section, see below",
 }
-"""Allowed values in words for keys whose values are parsed by functions of their own."""
+"""Phrases for the allowed values of keys that have their own parsers, by key."""
 
 _UNCERTAIN_VALUE_TEXT = "a range or a value with its uncertainty"
 _CONTACT_DESCRIPTION = "Contact model of each pair. The default for measured areas is the half-space."
@@ -99,7 +99,7 @@ def list_key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
         classes_by_row: dict[KeyTableRow, list[type[values.SettingsSection]]] = {}
         for section_class in section_classes:
             for key, field in section_class.model_fields.items():
-                # Fields without `repr` describe bodies in memory and are not keys of study files.
+                # Fields without `repr` contain bodies in memory, which are not keys of study files.
                 if field.repr:
                     default = PydanticUndefined if field.is_required() else field.default
                     classes_by_row.setdefault(_key_row(key, default, field, section_classes), []).append(section_class)
@@ -129,9 +129,9 @@ def _models_with_key(
     section_classes: Sequence[type[values.SettingsSection]],
     base_classes: Sequence[type[values.SettingsSectionVariant]],
 ) -> list[str]:
-    """Return the names of the section classes that have a key.
+    """Return descriptions of the sections in which a key is allowed, one per section class.
 
-    If all subclasses of a base class have the key, the name of the base class replaces their names.
+    If all subclasses of a base class have the key, the description of the base class replaces their descriptions.
     """
     subclasses = {
         item: {section_class for section_class in section_classes if issubclass(section_class, item)}
@@ -240,7 +240,7 @@ def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> lis
     for quantity_type, phrases in _QUANTITY_RANGE_TEXTS:
         if annotation is quantity_type or any(item in metadata for item in quantity_type.__metadata__[:1]):
             return [phrases]
-    # Lengths in measured files have a parser of their own.
+    # Lengths in measured files are read by a separate parser.
     if annotation is Quantity:
         return ["a length"]
     if get_origin(annotation) is Literal:
@@ -295,7 +295,7 @@ def _join_with_or(phrases: list[str]) -> str:
 
 
 def _toml_default(value: Any) -> str:
-    """Return the default of a key in the form in which a study file contains it."""
+    """Return the default of a key as Markdown code in TOML notation, or "none"."""
     if value is None:
         return "none"
     return f"`{_toml_text(value)}`"

@@ -93,14 +93,14 @@ _AXIS_LABELS = {
 
 
 def new_figure(height: float, *, width: float = COLUMN_WIDTH, layout: Any = "constrained") -> Figure:
-    """Return an empty figure of given height (mm) and width (inches)."""
+    """Return an empty figure with a given height (mm) and width (inches)."""
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height * INCHES_PER_MILLIMETRE), layout=layout)
 
 
 def place_axes(figure: Figure) -> None:
-    """Place the axes of a figure with its layout engine, and then remove the engine, so that the axes stay there.
+    """Position the axes of a figure once with its layout engine, and then remove the engine.
 
     With an engine, even the placeholder "none", `savefig` would draw the figure twice.
     """
@@ -145,7 +145,7 @@ def friction_parameters_text(mu0: float, tau0: float, effective_modulus: float |
 
 
 def spread_label_positions(label_positions: ArrayLike, min_distance: float) -> Floats:
-    """Move label positions apart to a minimum distance, without changing their order."""
+    """Move label positions apart until neighbours have a minimum distance, without changing their order."""
     target_positions = np.asarray(label_positions, dtype=np.float64)
     ascending_order = np.argsort(target_positions)
     spread_positions = target_positions[ascending_order].copy()

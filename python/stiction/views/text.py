@@ -59,7 +59,7 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
     from stiction.summary.evaluation import Evaluation
 
-# Minimum relative difference of friction between the axes for which grooves are reported.
+# Grooves are reported if friction along the two axes differs by at least this fraction.
 MIN_STATED_GROOVE_EFFECT = 0.01
 MAX_PRINTED_POINTS = 15
 
@@ -159,7 +159,7 @@ def main_values_text(
 
 
 def combined_intervals_note(point: PointSummary) -> str:
-    """Return the note above tables of quantities on which of their intervals include the uncertain inputs."""
+    """Return the note above tables of quantities that states which intervals include the uncertain inputs."""
     if "friction_combined" not in point.values:
         return "Intervals in the following tables are 95 % intervals of the mean for exact inputs."
     alternatives = " and alternative preparations of the scans" if point.values.attrs.get("alternatives") else ""
@@ -186,7 +186,7 @@ def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str
 
 
 def preview_text(summary: Summary) -> str:
-    """Return a line with a preview of the coefficient, from the members that were computed first."""
+    """Return a line with a preview of the coefficient, from the surface pairs that were computed first."""
     point = summary.points[0]
     rule = SLIDING_RULE_DESCRIPTIONS[point.rules[0].rule]
     return f"preliminary, with asperities: μ_s = {Estimate(point.value)}  {rule}"
@@ -238,7 +238,7 @@ def missing_loads_text(result: Evaluation, values: xarray.Dataset, missing_loads
 def interpolation_text(
     neighbours: Mapping[float, tuple[float, float]], points: Sequence[PointSummary], nominal_area: float | None
 ) -> str:
-    """Return one sentence per interpolated load, with the assessments at the computed loads below and above it.
+    """Return one sentence per interpolated load, with the assessments at the computed loads on both sides of the load.
 
     `neighbours` contains the two computed loads by interpolated load (mN), and `points` all result points at computed
     loads.
@@ -263,7 +263,7 @@ def interpolation_text(
 def interpolation_records(
     neighbours: Mapping[float, tuple[float, float]], points: Sequence[PointSummary]
 ) -> list[dict[str, Any]]:
-    """Return JSON records of loads with interpolated results: the computed loads below and above, with assessments."""
+    """Return JSON records of interpolated loads, each with the computed loads on both sides and their assessments."""
     return [
         {
             "load": load,
@@ -302,7 +302,7 @@ def _select_printed_points(points: Sequence[PointSummary]) -> Sequence[PointSumm
 
 
 def _select_points_of_first_cell(points: Sequence[PointSummary], loads: Collection[float]) -> list[PointSummary]:
-    """Return the result points at given loads (mN) that share surfaces, mu0 and tau0 with the first point."""
+    """Return the result points at given loads (mN) that have the same surfaces, mu0 and tau0 as the first point."""
     first_coordinates = points[0].at.items()
     return sorted(
         (
@@ -316,16 +316,16 @@ def _select_points_of_first_cell(points: Sequence[PointSummary], loads: Collecti
 
 
 def _first_cell_coordinates_text(points: Sequence[PointSummary]) -> str:
-    """Return the coordinates of the first surfaces as text, as in "H = 0.9".
+    """Return the surface coordinates of the first result point as text, as in "H = 0.9".
 
-    Returns "" if all points share them.
+    Returns "" if all points share these coordinates.
     """
     names = [name for name in _list_varying_coordinates(points) if name not in ("load", "mu0", "tau0")]
     return _assignments_text(points[0], names)
 
 
 def _list_varying_coordinates(points: Sequence[PointSummary]) -> list[str]:
-    """Return the names of the coordinates in which result points differ, with H instead of D if points have H."""
+    """Return the names of the coordinates that differ between result points; D is omitted if H is given."""
     names = [name for name in points[0].at if name != "fractal_dimension" or "hurst_exponent" not in points[0].at]
     return [name for name in names if len({point.at[name] for point in points}) > 1]
 
@@ -351,7 +351,7 @@ def _pull_off_lines(points: Sequence[PointSummary]) -> list[str]:
 
 
 def coefficients_paragraph(points: Sequence[PointSummary]) -> Paragraph:
-    """Return the coefficients of result points: one line per sliding rule for a single point, or else a table."""
+    """Return a paragraph of coefficients: for a single result point one line per sliding rule, else a table."""
     varying_names = sorted(_list_varying_coordinates(points), key=lambda name: name != "hurst_exponent")
     if len(points) == 1:
         (point,) = points
@@ -389,7 +389,7 @@ def _direction_paragraphs(point: PointSummary, *, verbose: bool) -> list[Paragra
 
 
 def _sort_rules_of_directions(point: PointSummary) -> list[SlidingRuleCoefficient]:
-    """Return a result point's coefficients, one per sliding rule, in the column order of tables of directions.
+    """Return a result point's coefficients, one per sliding rule, in the column order of a table of directions.
 
     The first column is for the rule "all", unless an interface was fitted under the other rule.
     """
@@ -397,9 +397,10 @@ def _sort_rules_of_directions(point: PointSummary) -> list[SlidingRuleCoefficien
 
 
 def grooves_paragraph(point: PointSummary, *, verbose: bool = False) -> Paragraph:
-    """Return a sentence on grooves, or nothing if friction does not depend on the axis of motion.
+    """Return a paragraph on the effect of grooves; empty if friction does not differ significantly between axes.
 
-    With `verbose`, the sentence is always returned, below a table of the coefficients along each axis.
+    With `verbose`, a sentence is returned even then, below a table of the coefficients along each axis. For a single
+    axis, the paragraph is always empty.
     """
     coefficients = {rule.rule: rule.by_axis for rule in _sort_rules_of_directions(point)}
     by_axis = next(iter(coefficients.values()))
@@ -412,7 +413,7 @@ def grooves_paragraph(point: PointSummary, *, verbose: bool = False) -> Paragrap
 
 
 def _grooves_text(by_axis: Mapping[float, Estimate]) -> str:
-    """Return a sentence on the effect of grooves, which is the difference of friction between axes of motion.
+    """Return a sentence on the effect of grooves: the relative difference of friction between axes of motion.
 
     Grooves are reported if the intervals along two axes do not overlap, and if the difference is at least 1 %.
     """
@@ -435,7 +436,7 @@ def _grooves_text(by_axis: Mapping[float, Estimate]) -> str:
 def _coefficients_table(
     coefficients: Mapping[str, Mapping[float, Estimate]], format_coordinate: Callable[[float], str]
 ) -> Paragraph:
-    """Return a table of coefficients and intervals of the mean: a row per axis or direction, a column per rule."""
+    """Return a table of coefficients with intervals of the mean: one row per axis or direction, one column per rule."""
     rows = [
         [
             format_coordinate(coordinate),
@@ -460,7 +461,7 @@ def _axis_label(degrees: float) -> str:
 
 
 def _history_paragraph(point: PointSummary) -> Paragraph:
-    """Return lines on the processing steps of the surfaces, and on the contact model."""
+    """Return lines with the processing history of each body, and a description of the contact model."""
     dataset, study = point.values, point.study
     descriptions = {
         name: str(dataset.attrs[name]).replace("\n", "; ") for name in ("upper", "lower") if name in dataset.attrs

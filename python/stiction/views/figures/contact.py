@@ -40,7 +40,7 @@ _MAX_ARROW_LENGTH = 0.45
 # Minimum length of a visible arrow, as a fraction of the length of the longest arrow.
 _MIN_VISIBLE_FORCE_RATIO = 0.05
 EDGE_CONTACT_COLOUR = "#e00030"
-# Number of neighbouring contacts that the magnified range shows besides the contact with the largest load.
+# Number of contacts that the magnified range shows around the contact with the largest load.
 NUM_NEIGHBOURING_CONTACTS = 5
 # Minimum half width (grid spacings) of the magnified range in the figure of two profiles.
 _MIN_HALF_WIDTH_OF_MAGNIFIED_PROFILES = 60
@@ -73,7 +73,7 @@ def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
         )
         zoom_centre = float(centre_x[largest_contact_index])
         in_window = np.abs(x - zoom_centre) <= half_width
-        # The title is set before the layout is computed, so that space is reserved for it.
+        # The title is set before the layout is computed, so that the layout reserves space for the title.
         zoomed_axes.set_title("contact with the largest load", loc="left", fontsize=6, pad=3)
         draw_bodies(zoomed_axes, x[in_window], *(body[in_window] for body in bodies))
         zoomed_axes.set_xlim(x[in_window][0], x[in_window][-1])

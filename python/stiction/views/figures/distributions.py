@@ -102,7 +102,7 @@ def _interpolate_periodic(degrees: Floats, values: Floats, new_degrees: Floats) 
 
 
 def _draw_polar_circles(axes: Any, highest: float, degrees: Floats) -> None:
-    """Draw circles at round values in a polar plot, with labels in front of the curves, between the directions."""
+    """Draw circles at round values in a polar plot, with labels that cover the curves and avoid the data points."""
     min_ring_spacing = (highest or 1.0) / MAX_COMPASS_RINGS
     power_of_ten = 10.0 ** np.floor(np.log10(min_ring_spacing))
     ring_spacing = float(
@@ -123,7 +123,7 @@ def _draw_polar_circles(axes: Any, highest: float, degrees: Floats) -> None:
 
 
 def _find_polar_angle_of_labels(degrees: Floats) -> float:
-    """Return the direction (degrees) in the first quadrant that is farthest from all points and from the spokes."""
+    """Return the direction (degrees, first quadrant) for circle labels that is farthest from all points and spokes."""
     # Among equally distant directions, `argmax` returns the first.
     candidates = np.array([67.5, 75.0, 60.0, 52.5, 22.5, 15.0, 30.0, 37.5])
     occupied_directions = np.concatenate([degrees, np.arange(0, 360, 45)])
@@ -132,7 +132,7 @@ def _find_polar_angle_of_labels(degrees: Floats) -> float:
 
 
 def positions_figure(point: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure 80 mm wide: friction of each member, such as each position, in each direction of motion.
+    """Draw a figure 80 mm wide: friction of each member (for example each position) in each direction of motion.
 
     `point` comes from `evaluate_positions`. Members of a single traverse are drawn against the offset, other members in
     ascending order. Directions are not averaged, because a test slides in one direction.

@@ -48,19 +48,19 @@ MIN_FADED_INTERVAL_WIDTH, FULLY_FADED_INTERVAL_WIDTH, MAX_FADING = 0.3, 1.2, 0.8
 """Relative interval widths at which the fading of a chart cell begins and ends, and the strongest fading."""
 
 CURVE_LABEL_SPACING = 2.4  # mm
-# Largest ratio of an axis limit to the largest mean. Interval bands that extend further are cut off.
+# Largest limit of an axis, as a multiple of the largest mean. Wider interval bands are cut off.
 MAX_DRAWN_BAND_RATIO = 2.0
 HEADING_HEIGHT = 4.0  # mm
 MAX_LEGEND_COLUMNS = 4
 
 MIN_COLOUR_BAR_TICKS = 3
 
-# Red, green and blue contribute with these weights to the luminance of a colour.
+# Weights of red, green and blue in the luminance of a colour.
 _LUMINANCE_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
 
 
 def heading_lines(points: xarray.Dataset, study: Study) -> list[str]:
-    """Return the heading of a figure: model, rule and direction if they differ from the paper, and missing members."""
+    """Return heading lines: model, rule and direction unless the paper's model is used, and missing repetitions."""
     contact = study.contact
     rule = points["sliding"].item() if "sliding" in points.coords else contact.sliding_rules()[0]
     angle = points["direction"].item() if "direction" in points.coords else float(contact.direction_angles()[0])
@@ -88,7 +88,7 @@ def draw_panel_letter(axes: Axes, number: int) -> None:
 def create_figure_with_axes_rows(
     rows: int, height: float, margin_above: float, margin_below: float, *, between: float
 ) -> tuple[Figure, float, Callable[[float, int, float], Axes]]:
-    """Return an empty figure 170 mm wide, the figure height (mm), and a function that adds axes to a given row."""
+    """Return an empty figure 170 mm wide, the height of the figure (mm), and a function that adds axes to a row."""
     total_height = margin_above + margin_below + rows * (height + between) - between
     figure = new_figure(total_height, width=PAGE_WIDTH, layout=None)
 
@@ -175,7 +175,7 @@ def format_fractal_dimension_axis(axes: Axes, points: xarray.Dataset, *, last: b
 
 
 def find_fraction_beyond_hertz(points: xarray.Dataset, name: str = "friction_coefficient") -> Floats:
-    """Return the load fraction on contacts whose overlap is too large for Hertz theory, as an array over `points`.
+    """Return the fraction of the load on contacts whose overlap is too large for Hertz theory, at each result point.
 
     The fraction is NaN in the half-space model, which has no asperities.
     """
@@ -185,7 +185,7 @@ def find_fraction_beyond_hertz(points: xarray.Dataset, name: str = "friction_coe
 
 
 def _draw_friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
-    """Draw friction over D for the lowest and the highest tau0, dotted where the asperity model is not valid."""
+    """Draw friction against fractal dimension for the lowest and highest tau0, dotted where the model is not valid."""
     dimension = curves["fractal_dimension"].values
     is_valid = ~(find_fraction_beyond_hertz(curves) > MAX_AFFECTED_FRACTION)
     value, lower, upper = (
@@ -198,7 +198,7 @@ def _draw_friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[st
         axes.plot(dimension, value[:, index], ":", **style)
         valid_curve = np.where(is_valid[:, index], value[:, index], np.nan)
         axes.plot(dimension, valid_curve, label=rf"$\tau_0$ = {strengths[index]}", **style)
-    # The axis includes mu0, all valid coefficients, and at least half of all coefficients.
+    # The axis extends over mu0, over all valid coefficients, and over at least half of all coefficients.
     valid_ends, valid_values = (array[np.isfinite(array) & is_valid].max(initial=0.0) for array in (upper, value))
     median_value = float(np.median(value[np.isfinite(value)])) if np.isfinite(value).any() else 0.0
     upper_limit = 1.1 * max(mu0, float(min(valid_ends, MAX_DRAWN_BAND_RATIO * valid_values)), median_value) or 1.0
@@ -221,7 +221,7 @@ def _draw_colour_bar(figure: Figure, position: tuple[float, float, float, float]
     if len(ticks) < MIN_COLOUR_BAR_TICKS:
         round_values = MaxNLocator(5, steps=[1, 2, 5]).tick_values(norm.vmin, norm.vmax)
         ticks = [float(tick) for tick in round_values if norm.vmin <= tick <= norm.vmax]
-    # More than about 8 tick labels do not fit.
+    # About 8 tick labels fit on the colour bar.
     ticks = ticks[:: max(1, -(-len(ticks) // 8))]
     colour_bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     colour_bar.ax.minorticks_off()
@@ -232,7 +232,7 @@ def _draw_colour_bar(figure: Figure, position: tuple[float, float, float, float]
 
 
 def _logarithmic_colour_norm(maps: xarray.Dataset) -> Any:
-    """Return a logarithmic colour scale for the valid coefficients or, if few are valid, for all coefficients."""
+    """Return a logarithmic colour scale for the valid coefficients, or for all coefficients if few are valid."""
     coefficients = maps["friction_coefficient"].sel(statistic="mean").values
     is_positive = np.isfinite(coefficients) & (coefficients > 0)
     is_valid = is_positive & ~(find_fraction_beyond_hertz(maps) > MAX_AFFECTED_FRACTION)
@@ -240,7 +240,6 @@ def _logarithmic_colour_norm(maps: xarray.Dataset) -> Any:
     lower_limit, upper_limit = (
         np.quantile(positive_values, COLOUR_RANGE_QUANTILES) if positive_values.size else (0.1, 1.0)
     )
-    # Both limits of the colour scale are multiples of this step.
     step = 10.0 ** np.floor(np.log10(lower_limit)) / 2
     lower_limit, upper_limit = max(np.floor(lower_limit / step) * step, step), np.ceil(upper_limit / step) * step
     return LogNorm(lower_limit, max(upper_limit, lower_limit + step))
@@ -304,7 +303,7 @@ _INVALID_CELL_STYLE: dict[str, Any] = {"facecolor": "none", "edgecolor": "white"
 
 
 def _compute_fading(friction_with_limits: Floats) -> Floats:
-    """Return how much each chart cell fades: from 0 for a narrow interval of the coefficient up to `MAX_FADING`.
+    """Return how much each chart cell is faded: from 0 for a narrow interval to `MAX_FADING` for a wide interval.
 
     The width is divided by the coefficient.
     """
@@ -320,7 +319,7 @@ def _compute_fading(friction_with_limits: Floats) -> Floats:
 
 
 def _fade_colours(colours: Floats, fading: Floats) -> Floats:
-    """Fade colours to grey of the same luminance, so that no faded colour resembles that of another coefficient."""
+    """Fade colours to grey of the same luminance, so that a faded colour looks like no other colour of the scale."""
     grey = (colours @ _LUMINANCE_WEIGHTS)[..., np.newaxis]
     fraction = np.asarray(fading)[..., np.newaxis]
     return np.asarray((1 - fraction) * colours + fraction * grey)
@@ -452,7 +451,7 @@ def _draw_area_curves(axes: list[Axes], areas: xarray.Dataset, *, label_distance
 
 
 def profiles_figure(profiles: Mapping[float, Profile], study: Study) -> Figure:
-    """Draw profiles of several fractal dimensions, in full length and over one length scale.
+    """Draw profiles of several fractal dimensions: on the left in full length, on the right over one length scale.
 
     `profiles` comes from `generate_profiles`.
     """

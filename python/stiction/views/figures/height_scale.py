@@ -72,7 +72,7 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     bottom, top = area_axes.get_ylim()
     if area_axes.get_yscale() == "log" and top < 30 * bottom:
         format_log_axis(area_axes.yaxis)
-    # If both bodies are scaled, the rms gradient is proportional to the height factor.
+    # The rms gradient is proportional to the height factor only if both bodies are scaled.
     if points.attrs["scaled"] == "both":
         factor_axis = friction_axes.secondary_xaxis(
             "top", functions=(lambda x: x / measured_gradient, lambda x: x * measured_gradient)

@@ -32,7 +32,7 @@ from stiction.views.style import (
 )
 
 MAX_FRICTION_AXIS_RATIO = 4.0
-"""Maximum ratio of the limit of the friction axis to the highest mean. Wider intervals are cut off."""
+"""Maximum ratio of the upper limit of the friction axis to the highest mean. Longer interval bands are cut off."""
 
 # Maximum number of directions for which a figure shows single directions besides their mean.
 MAX_DRAWN_DIRECTIONS = 2
@@ -155,14 +155,14 @@ MIN_MARKER_WAVELENGTH_RATIO = 1.05
 SHORTEST_CUTOFF_TO_UNFILTERED_POSITION_RATIO = 1.5
 """Ratio of the shortest cutoff to the position at which unfiltered scans of unknown resolution are drawn."""
 
-# Longest wavelength for which the closed-form estimate is drawn, as a multiple of the longest cutoff.
+# The closed-form estimate is drawn up to this multiple of the longest cutoff wavelength.
 MAX_CLOSED_FORM_TO_CUTOFF_RATIO = 8.0
 # Shortest wavelength for which extrapolated friction is drawn, as a fraction of the shortest cutoff.
 MIN_EXTRAPOLATED_TO_CUTOFF_RATIO = 1 / 16
 
 
 def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: ResolutionLimits, x: Floats) -> None:
-    """Draw the plastic limit, the extrapolation and the closed-form estimate behind the computed curves."""
+    """Draw limits for finer scans behind the curves: plastic limit, Hurst extrapolation, closed-form estimate."""
     if limits.plastic_limit is not None:
         friction, area_fraction = limits.plastic_limit
         friction_axes.axhline(
@@ -206,7 +206,7 @@ def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: Resolu
             linewidth=0.8,
         )
     if limits.shortest:
-        # The unresolved band ends left of the first point, even if that cutoff is the shortest resolved wavelength.
+        # The band of unresolved wavelengths ends left of the first point, even if the cutoff of this point is resolved.
         longest_unresolved = 0.97 * min(limits.shortest, x.min())
         for axes in (friction_axes, area_axes):
             axes.axvspan(1e-9, longest_unresolved, color="0.9", linewidth=0, zorder=-2, label="not resolved")
@@ -279,7 +279,7 @@ def _list_sliding_rules(points: xarray.Dataset) -> list[str]:
 
 def _draw_single_directions(axes: Axes, dataset: xarray.Dataset, x: Floats, colour: str) -> None:
     if not 1 < dataset.sizes.get("direction", 1) <= MAX_DRAWN_DIRECTIONS or colour == SLIDING_RULE_COLOURS["all"]:
-        # Both directions have the same friction if it acts at all contacts.
+        # If friction acts at all contacts, both directions have equal friction, so single directions are not drawn.
         return
     for direction, line_style in zip(dataset["direction"].values, ("--", ":"), strict=False):
         mean = dataset["friction_coefficient"].sel(direction=direction, statistic="mean").values
@@ -288,7 +288,7 @@ def _draw_single_directions(axes: Axes, dataset: xarray.Dataset, x: Floats, colo
 
 
 def _mark_incomplete_points(axes: Axes, points: xarray.Dataset, dimension: str, x: Floats) -> None:
-    """Mark the points of a curve for which some members have no coefficient."""
+    """Mark the points of a curve for which some surface pairs have no coefficient."""
     if not {"ok", "members"} <= set(points.variables):
         return
     num_solved = points["ok"].min([dim for dim in points["ok"].dims if dim != dimension])

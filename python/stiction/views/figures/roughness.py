@@ -25,7 +25,7 @@ from stiction.views.style import MAP_AXIS_COLOURS, MATPLOTLIB_STYLE, MIN_LENGTH_
 MAX_DRAWN_PROFILE_POINTS = 1500
 NUM_HEIGHT_BINS = 40
 MEASURED_SPECTRUM_COLOUR, FITTED_LINE_COLOUR = "#0072b2", "#d55e00"
-# Allowed distances between ticks, divided by a power of ten.
+# Allowed distances between axis ticks, as multiples of a power of ten.
 TICK_STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)
 
 
@@ -89,7 +89,7 @@ def _draw_height_distribution(axes: Axes, heights: Floats) -> None:
     axes.set(xlabel=f"height ({height_unit})", ylabel=f"density (1/{height_unit})")
     axes.set_title("dashed: Gaussian", fontsize=6, pad=2)
     axes.locator_params(nbins=4, steps=TICK_STEPS)
-    # The panel is narrow for a profile, so it has few ticks.
+    # The panel of a profile is narrow, so its x axis has few ticks.
     axes.locator_params(axis="x", nbins=3)
 
 
@@ -159,7 +159,7 @@ def _draw_height_map(figure: Any, axes: Axes, surface: Surface) -> None:
     height_factor, height_unit = choose_prefixed_unit(float(np.ptp(surface.heights)), "um")
     heights = (surface.heights - surface.heights.mean()) / height_factor
     length_y, length_x = (length / unit_length for length in surface.extent)
-    # Quantiles limit the colour scale, because single dust grains would otherwise determine its range.
+    # The colour scale ends at quantiles of the heights, because single dust grains would otherwise determine its range.
     lowest_height, highest_height = np.quantile(heights, [0.001, 0.999])
     image = axes.imshow(
         heights, extent=(0, length_x, 0, length_y), origin="lower", cmap=HEIGHT_COLOUR_MAP, vmin=lowest_height,

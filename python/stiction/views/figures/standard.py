@@ -57,7 +57,7 @@ def draw_figures(
 
     A copy of this process draws every second figure, if the process can be copied.
 
-    Generated surfaces have the figures that the table [figures] of the study lists: ``profiles``, ``length_scales``,
+    Generated surfaces have the figures that the section [figures] of the study lists: ``profiles``, ``length_scales``,
     ``friction_mu0_*`` (one for each mu0), ``area`` and ``onset``. File names contain the sliding rule and direction if
     there are several, as in ``friction_mu0_0.4_all_90.png``. Measured surfaces have ``friction`` (against load),
     ``compass``, ``positions``, ``closure`` (maps), ``budget``, ``waiting``, ``adhesion``, ``sizes``, ``cut_off``,
@@ -108,7 +108,7 @@ def _render_figures_to_files(
 
 
 def _render_figure_to_files(draw_figure: Callable[[], Figure], file_extensions: Sequence[str]) -> list[bytes]:
-    """Draw a figure, and return the content of one file per format."""
+    """Draw a figure, and return the bytes of one file per format."""
     with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = draw_figure()
         return [render_figure(figure, file_extension) for file_extension in file_extensions]

@@ -22,7 +22,7 @@ from stiction.views.style import COLOUR_BAR_TICKS, SLIDING_RULE_LABELS
 
 @dataclass(frozen=True, eq=False)
 class ReportContent:
-    """Content of a report before it is rendered: title, texts, and the data for the page scripts.
+    """Content of a report before rendering as HTML: title, texts, and data for the page scripts.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ BEYOND_MODEL_TEXT = (
 def common_facts(
     data: MeasuredReportData | GeneratedReportData, axes: tuple[ParameterAxis, ParameterAxis] | None
 ) -> dict[str, Any]:
-    """Return the data that the scripts of all reports need: sliders, labels, statuses, and limits.
+    """Return the data that the scripts of every report need, such as sliders, labels, statuses and limits.
 
     `axes` contains the numbers of mu0 and tau0 for the sliders, or is None if no pair is in contact.
     """
@@ -89,14 +89,14 @@ def common_facts(
 
 
 def _strength_limit(modulus: float) -> dict[str, Any]:
-    """Return the largest plausible tau0 (MPa), and the notice that is shown above this limit."""
+    """Return the limit of plausible tau0 (MPa), and the notice that a report shows above this limit."""
     ratio = friction.MAX_SHEAR_STRENGTH_RATIO
     text = f"τ0 is above {format_percent(ratio)} of the effective modulus, {format_with_unit(ratio * modulus, 'GPa')}."
     return {"limit": 1000 * ratio * modulus, "text": text}
 
 
 def _slider_settings(axes: tuple[ParameterAxis, ParameterAxis], study: Study) -> dict[str, Any]:
-    """Return the settings of the sliders for mu0 and tau0 (MPa): values, texts, initial position, and marks."""
+    """Return the settings of the sliders for mu0 and tau0 (MPa): values, initial value, and values with a range."""
     initial_values = (
         study.friction.mu0[0 if study.is_measured else len(study.friction.mu0) // 2],
         float(study.friction.tau0[0]),

@@ -129,7 +129,7 @@ def _create_report_arrays(values: GeneratedReportValues) -> dict[str, ReportArra
 
 
 def _caveat_number_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
-    """Return an array for each number in caveats, with NaN at result points whose caveats lack the number."""
+    """Return one array per number in caveat texts, with NaN at result points whose caveats lack the number."""
     assessments_by_number: dict[tuple[str, str], list[int]] = {}
     for index, caveats in enumerate(values.caveat_sets):
         for check in filter(_contains_number, caveats):
@@ -144,12 +144,12 @@ def _caveat_number_arrays(values: GeneratedReportValues) -> dict[str, ReportArra
 
 
 def _contains_number(reason: Caveat | LimitCheck) -> TypeGuard[LimitCheck]:
-    """Return whether a caveat is a failed check whose text contains a number that differs between result points."""
+    """Return whether a caveat is a failed check whose text contains a number, which differs between result points."""
     return isinstance(reason, LimitCheck) and "{}" in reason.text
 
 
 _WIDTH_FORMATS = (NumberFormat(0.0, 0.01, "±{} %", 2),)
-# `stiction at --verbose` prints percentages with the same formats.
+# Percentages have the same formats in the output of `stiction at --verbose`.
 _MEAN_PERCENT_FORMATS = (NumberFormat(0.0, 0.01, "{} %", 2),)
 
 
@@ -186,7 +186,7 @@ def _compute_colour_ranges(values: GeneratedReportValues) -> dict[str, tuple[Flo
 
 
 def _choose_initial_cell_and_load(values: GeneratedReportValues, study: Study) -> dict[str, int]:
-    """Return the indices of surfaces and load that a page shows first: the narrowest relative interval."""
+    """Return the indices of the surface and the load with the narrowest relative interval, which a page shows first."""
     is_valid, points = values.is_valid, values.estimates["friction"]
     strengths = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
     parameter_indices = [axis.find_index(value) for axis, value in zip(values.axes, strengths, strict=True)]
@@ -202,7 +202,7 @@ def _choose_initial_cell_and_load(values: GeneratedReportValues, study: Study) -
 
 
 def _caveat_or_check_record(reason: Caveat | LimitCheck) -> dict[str, Any]:
-    """Return a caveat or failed check for the page scripts: text, remedy, severity, and name of its number."""
+    """Return a caveat or failed check as a record for the page scripts: text, remedy, severity, number name."""
     return {
         "text": reason.text, "remedy": reason.remedy, "severity": reason.severity,
         "number": f"number_{reason.shown_name}" if _contains_number(reason) else None,
@@ -213,7 +213,7 @@ def _caveat_or_check_record(reason: Caveat | LimitCheck) -> dict[str, Any]:
 
 
 def _changed_settings_markup(changed_settings: Sequence[tuple[str, str]]) -> str:
-    """Return the settings of a study that differ from their defaults as HTML."""
+    """Return HTML that lists the settings of a study that differ from the defaults."""
     if not changed_settings:
         return "<p>All values are the defaults.</p>"
     lines = "".join(f"<li><code>{escape_html(f'{key} = {value}')}</code></li>" for key, value in changed_settings)

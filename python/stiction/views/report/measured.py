@@ -116,7 +116,7 @@ def _page_facts(data: MeasuredReportData, values: MeasuredReportValues) -> dict[
 
 
 def _rule_note(study: Study) -> str:
-    """Return a sentence on the sliding rule to which mu0 and tau0 of the study apply."""
+    """Return a sentence on the sliding rule under which mu0 and tau0 of the study are valid."""
     if study.friction.interface is None:
         return (
             "If μ0 was measured on smooth surfaces, friction acts at all contacts. "
@@ -245,7 +245,7 @@ def _assessment_record(point: PointSummary) -> dict[str, Any]:
 
 
 def _contribution_record(point: PointSummary) -> dict[str, Any] | None:
-    """Return the coefficient under the rule "all", its interval and its contributions for the page scripts."""
+    """Return the coefficient for friction at all contacts, its interval and its contributions for the page scripts."""
     all_contacts_estimate = next((rule for rule in point.rules if rule.rule == "all"), None)
     if point.contributions is None or all_contacts_estimate is None or not math.isfinite(all_contacts_estimate.value):
         return None

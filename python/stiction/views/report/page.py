@@ -70,7 +70,7 @@ def read_package_file(name: str) -> str:
 
 
 def script_markup(facts: dict[str, Any], packed_arrays: Mapping[str, str]) -> str:
-    """Return the scripts of a page and their data as HTML: `facts` as JSON, and arrays as encoded numbers."""
+    """Return the scripts and data of a page as HTML: `facts` as JSON, and arrays of numbers encoded as text."""
     # Without "<", the JSON text contains no tag that would end the script element.
     facts_json = to_json(facts).replace("<", "\\u003c")
     script_template = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'

@@ -74,7 +74,7 @@ def draw_panels(data: MeasuredReportData | GeneratedReportData) -> dict[bool, st
 
 
 def list_panels(data: MeasuredReportData | GeneratedReportData) -> list[FigurePanel]:
-    """Return the panels for all figures that the data of a report allow."""
+    """Return one panel for each figure that can be drawn from the data of a report."""
     return _list_measured_panels(data) if isinstance(data, MeasuredReportData) else _list_generated_panels(data)
 
 
@@ -133,7 +133,7 @@ def _list_measured_panels(data: MeasuredReportData) -> list[FigurePanel]:
 
 
 def _contact_panel(picture: xarray.Dataset, direction: float, num_opposing: int) -> FigurePanel:
-    """Return the panel with all contacts of a typical member, for one direction of motion (degrees)."""
+    """Return the panel with all contacts of a typical surface pair, for one direction of motion (degrees)."""
     force, is_cut = picture["contact_force"].values, picture["contact_at_edge"].values > 0
     text = (
         f"The position whose true area is nearest to the mean: {format_count(force.size, 'contact')} at "
@@ -152,7 +152,7 @@ def _contact_panel(picture: xarray.Dataset, direction: float, num_opposing: int)
 
 
 def _members_panel(point: xarray.Dataset, study: Study, title: str) -> FigurePanel:
-    """Return the panel with the friction of each member in each direction of motion."""
+    """Return the panel with the friction of each surface pair in each direction of motion."""
     singular, plural = study.member_names
     return FigurePanel(
         f"Single {plural}",
@@ -239,7 +239,7 @@ _CSS_COLOURS = {
         for dark_colour in ("#332288", "#440154", "#481d6f", "#453781", "#7a0019")
     },
 }
-"""Style sheet variables that replace the colours of a figure on a page, so that it suits light and dark mode."""
+"""Style sheet variables that replace the colours of a figure, so that the figure suits light and dark mode."""
 
 
 def inline_svg(figure: Figure, description: str) -> str:

@@ -34,7 +34,7 @@ def file_reading_table(reading: FileReading[Any], options: Mapping[str, Any]) ->
 
 
 def file_reading_rows(reading: FileReading[Any], options: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return a table of how a file was read as rows of texts: layout of the file, and reading options."""
+    """Return pairs of texts (label, content) on how a file was read, such as layout, points and reading options."""
     source, body = reading.source, reading.body
     spacing_texts = [f"{spacing:.6g} µm along {axis}" for axis, spacing in zip("xy", body.spacings[::-1], strict=False)]
     given_options = {name: options.get(name) for name in LISTED_READING_OPTIONS}

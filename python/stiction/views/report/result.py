@@ -111,16 +111,16 @@ def report_page(result: Evaluation | xarray.Dataset, *, name: str = "", picture:
 def evaluate_report(
     result: Evaluation | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None
 ) -> Iterator[Callable[[], contextlib.AbstractContextManager[Callable[[], HtmlPage]]]]:
-    """Evaluate the numbers of a report in a copy of this process, and yield a function that draws its figures.
+    """Evaluate the numbers of a report in a forked process, and yield a function that draws the report's figures.
 
-    The function returns another context, in which a second copy draws the figures. That context yields a function that
-    waits for both copies and returns the report. It raises the same errors as `report_page`. If Matplotlib is not
-    imported yet, open the second context after the import, so that this process imports it while the numbers are
+    The function returns another context, in which a second process draws the figures. This context yields a function
+    that waits for both processes and returns the report. It raises the same errors as `report_page`. If Matplotlib is
+    not imported yet, open the second context after the import, so that this process imports it while the numbers are
     evaluated.
     """
     result = Evaluation.of(result)
     collect_data_once = cache(partial(_collect_data, result, picture))
-    # The error is raised again when the report is requested.
+    # An error is suppressed here, because drawing the report raises the same error again.
     with contextlib.suppress(ValueError):
         collect_data_once()
     with evaluate_in_copy(partial(_compose_content, result, collect_data_once, name)) as get_content:
@@ -142,7 +142,7 @@ def _collect_data(result: Evaluation, picture: xarray.Dataset | None) -> _Data:
 def _draw_report(
     get_data: Callable[[], _Data], get_content: Callable[[], _ComposedContent]
 ) -> Iterator[Callable[[], HtmlPage]]:
-    """Draw the figures of a report in a copy of this process, and yield a function that returns the report."""
+    """Draw the figures of a report in a forked process, and yield a function that returns the report."""
     # The module of `draw_panels` imports Matplotlib, so it is imported only here.
     from stiction.views.report.pictures import draw_panels
 
@@ -159,7 +159,7 @@ def _build_page(
 
 
 def _compose_content(result: Evaluation, get_data: Callable[[], _Data], name: str) -> _ComposedContent:
-    """Evaluate a result, and return the content of its page, the data for the page scripts, and encoded arrays."""
+    """Evaluate a result, and return the page content, the data for the page scripts, and the encoded arrays."""
     data = get_data()
     if isinstance(data, MeasuredReportData):
         content = measured_report_content(data, evaluate_measured_values(result), name)
@@ -172,7 +172,7 @@ def _compose_content(result: Evaluation, get_data: Callable[[], _Data], name: st
 
 
 def _check_can_render(result: Evaluation) -> None:
-    """Raise a `ReportError` if no member has a solution, or if a report would contain too many coefficients."""
+    """Raise a `ReportError` if no surface pair has a solution, or if a report would contain too many coefficients."""
     try:
         study = result.study
     except ValueError as error:
@@ -191,7 +191,7 @@ def _check_can_render(result: Evaluation) -> None:
 def _render_page(
     data: _Data, content: ReportContent, panel_markup: Mapping[bool, str], scripts: str
 ) -> HtmlPage:  # fmt: skip
-    """Insert the content, panels and scripts of a report in the page template, and return the page."""
+    """Return a report page: the page template, filled with content, panels and scripts."""
     notices_markup = _incompleteness_notices(data, content.name)
     main_plots = MAIN_PLOTS[data.study.is_measured]
     plot_panels = {
@@ -218,7 +218,7 @@ def _render_page(
 
 
 def _incompleteness_notices(data: ReportData, name: str) -> str:
-    """Return notices on missing and unsolved members as HTML.
+    """Return HTML notices on surface pairs that are missing or have no solution.
 
     Returns "" if all members are solved.
     """

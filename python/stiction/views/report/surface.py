@@ -44,7 +44,7 @@ def surface_page(
 
 
 def _interpretation_markup(characterisation: Characterisation) -> str:
-    """Return HTML on the caveats, the small-slope estimate, and the effect of a finer scan."""
+    """Return HTML with the caveats, the small-slope estimate, and the expected effect of a finer scan."""
     caveats_markup = "".join(
         f"<li>{escape_html(f'{caveat.text[0].upper()}{caveat.text[1:]}; {caveat.remedy}.')}</li>"
         for caveat in characterisation.caveats

@@ -1,4 +1,4 @@
-"""Arrays of numbers that a report stores, and the number of decimals with which the page prints them."""
+"""Arrays of numbers in a report, and the number of decimals with which the page prints each number."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class EstimateArray:
     formats: Sequence[NumberFormat] = ()
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return the columns to store (values, limits, decimals), keyed by the suffix of each name, such as "lower"."""
+        """Return the arrays to store for these estimates, keyed by suffix: "value", "lower", "decimals" and others."""
         indices = find_format_indices(self.values[..., 0], self.formats) if self.formats else None
         factors = 1.0 if indices is None else np.array([item.factor for item in self.formats])[indices, np.newaxis]
         estimates = np.moveaxis(self.values / factors, -1, 0)
@@ -82,12 +82,12 @@ class NumberArray:
     formats: Sequence[NumberFormat]
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return the columns to store, keyed by the suffix of each name: "value" and "format"."""
+        """Return the arrays to store, keyed by suffix: "value" (the numbers) and "format" (indices of formats)."""
         return {"value": self.values, "format": find_format_indices(self.values, self.formats)}
 
 
 def find_format_indices(values: Floats, formats: Sequence[NumberFormat]) -> NDArray[np.int8]:
-    """Return the index of the format with which `format_number` would print each number."""
+    """Return, for each number, the index in `formats` of the format that `format_number` would choose."""
     sizes = np.where(np.isnan(values) | (values == 0), 1.0, np.abs(values))
     minima = MIN_NUMBER_ROUNDED_TO_ONE * np.array([item.minimum for item in reversed(formats)])
     return (len(minima) - np.searchsorted(minima, sizes, side="right")).astype(np.int8)
@@ -176,7 +176,7 @@ class QuantityEstimates:
     limit: float | None
 
     def to_record(self) -> dict[str, Any]:
-        """Return the estimates as JSON fields: values, limits, decimals, and texts."""
+        """Return the estimates as JSON fields: numbers, decimals, texts, and flags for numbers above `limit`."""
         points = self.factor * self.estimates
         decimals, upper_limit_decimals = count_estimate_decimals(*np.moveaxis(points, -1, 0), digits=QUANTITY_DIGITS)
         texts = [
