@@ -27,7 +27,7 @@ void require(bool condition, const char* invariant) {
   }
 }
 
-// Number source that decodes the bytes of the fuzzer. Most numbers have moderate magnitude; some are arbitrary doubles.
+// Source of numbers that are decoded from the bytes of the fuzzer. Most numbers are moderate, and some are arbitrary.
 class Source {
  public:
   Source(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
@@ -110,7 +110,7 @@ void fuzz_contact(Source& source) {
             "no more contacts than points");
     require(!(sums[k].contact_area < 0.0), "no negative area");
     const std::vector<stiction::Contact> table = stiction::contacts(pair, approaches[k], model);
-    // The functions `contacts` and `press` search up to different approaches, but must find the same contacts.
+    // `contacts` and `press` search for candidates up to different approaches, but must find the same contacts.
     require(static_cast<stiction::Index>(table.size()) == sums[k].contact_count, "contacts and press agree");
     for (const stiction::Contact& contact : table) {
       require(contact.overlap > 0.0 && contact.radii.minor > 0.0, "contacts overlap and are convex together");
@@ -119,7 +119,7 @@ void fuzz_contact(Source& source) {
   }
 }
 
-// Two maps of equal shape, with heights of any magnitude. Some points have equal heights, and some regions are level.
+// Two maps of equal shape, with heights of any magnitude. Some heights are equal, and some regions are level.
 struct Maps {
   stiction::Matrix upper;
   stiction::Matrix lower;
@@ -184,7 +184,7 @@ void fuzz_areal(Source& source) {
                 candidate.column + 1 < maps.upper.cols(),
             "minima lie in the map");
   }
-  // On a steep wall, the projected contact ellipse is so narrow that round-off can change the fraction inside the map.
+  // On a steep wall, the projected contact ellipse is so narrow that round-off changes its fraction inside the map.
   const bool steep =
       std::any_of(candidates.all.begin(), candidates.all.end(), [](const stiction::ArealCandidate& candidate) {
         return candidate.normal.z() < 1e-5 || candidate.radii.major > 1e12 * candidate.radii.minor;

@@ -39,7 +39,7 @@ void check(const SurfacePair& pair, double deepest) {
   }
 }
 
-// Range of the gap in a row of the maps, and largest |height| of both surfaces in this row.
+// Range of the gap in a row of the two maps, and largest |height| in this row of both maps.
 // The member `zero` is 0 if all heights are finite, and NaN otherwise.
 struct RowRange {
   double lowest;
@@ -139,7 +139,7 @@ std::vector<Tile> make_tiles(Index rows, Index columns) {
 }
 
 // Return sqrt(a² + b²) without intermediate overflow.
-// std::hypot is not used, because it would require a newer C library than all other functions that are called.
+// std::hypot is not used, because it requires a newer C library than any function that is used.
 double length(double a, double b) {
   const double longer = std::max(std::abs(a), std::abs(b));
   const double ratio = std::min(std::abs(a), std::abs(b)) / longer;
@@ -148,7 +148,7 @@ double length(double a, double b) {
 
 double smaller_curvature(double xx, double xy, double yy) { return 0.5 * (xx + yy) - length(0.5 * (xx - yy), xy); }
 
-// Grid point that has no neighbour with a smaller gap.
+// Grid point at which the gap is not larger than at any neighbour.
 struct GridMinimum {
   Index row;
   Index column;

@@ -29,7 +29,7 @@ bool ellipses_overlap(const ProjectedEllipse& a, double a_size, const ProjectedE
   }
   const double root = std::sqrt(discriminant);
   const double t =
-      // The cubic polynomial in t has its maximum at the following value of t.
+      // Position of the maximum of the cubic polynomial in t.
       second < 0.0 ? first / (root - second) : -(root + second) / (3.0 * third);
   const double s = 1.0 - t;
   const bool apart =
@@ -91,7 +91,7 @@ std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, 
       const auto at = [&](std::size_t k) {
         return ellipses_overlap(left.shape, a.overlap(approaches[k]), right.shape, b.overlap(approaches[k]), apart);
       };
-      // Skip approaches at which both ellipses already overlap other ellipses.
+      // Approaches at which both ellipses already overlap other ellipses are not tested.
       std::size_t begin = std::max(left.begin, right.begin);
       std::size_t end = std::max(first[left.index], first[right.index]);
       if (begin >= end || std::abs(apart.y()) > left.half_height + right.half_height || !at(end - 1)) {

@@ -30,7 +30,7 @@ ForceArea force_and_area(const HertzSphere& law, const ArealCandidate& candidate
           elastic_area(candidate.ellipse, overlap)};
 }
 
-// Return the ratio of the contact area to the area of the elastic ellipse.
+// Return the ratio of the contact area to the area of the elastic contact ellipse.
 // Yielding changes the size of the contact ellipse, but not its shape.
 template <class AnyLaw>
 double relative_area(const AnyLaw&, const ArealCandidate& candidate, double overlap, double area) {
@@ -135,7 +135,7 @@ std::vector<Contact> contacts(const ArealCandidates& candidates, double approach
         force *= inside.force;
         area *= inside.area;
       }
-      // The contact patch has the shape of the elastic contact ellipse, and the area that lies inside the map.
+      // The contact patch has the shape of the elastic contact ellipse, and the area of the contact inside the map.
       const double scale = area / (pi * std::sqrt(candidate.ellipse.major * candidate.ellipse.minor));
       result.push_back({candidate.row * candidates.columns + candidate.column,
                         candidate.position - 0.5 * overlap * candidate.normal, candidate.normal,

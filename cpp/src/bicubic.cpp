@@ -15,13 +15,13 @@ namespace {
 // At inner points, the spline coefficients c of the heights z satisfy c_(i-1) + 4 c_i + c_(i+1) = 6 z_i.
 // At the end points, c = z, because the second derivative of the spline is zero there.
 
-// Gaussian elimination along a row would be sequential, so the inverse of the matrix is applied instead.
+// Gaussian elimination along a row is sequential, so the row is multiplied by the inverse of the matrix instead.
 // The inverse is -6 a / ((1 - a s) (1 - a / s)), where s is a shift by one point, and a = sqrt(3) - 2.
 // The factor 1 / (1 - a s) is the product of 1 + a s, 1 + a² s², 1 + a⁴ s⁴ and so on.
 // Each factor of the inverse is applied in a separate pass over the row, which computes many points in parallel.
 // The row of heights and its spline are continued beyond both ends by point reflection.
 constexpr std::array<Index, 5> shifts{1, 2, 4, 8, 16};
-// The inverse matrix is truncated after 32 points, which changes a coefficient by 0.268^32 = 5e-19 of a height.
+// Truncating the inverse matrix after 32 points changes a coefficient by 0.268^32 = 5e-19 of a height.
 constexpr Index reach = 32;
 
 struct PassFactors {
@@ -76,7 +76,7 @@ STICTION_KERNEL(solve_row, (double* row, Index points, Index length, double* wor
 
 Index work_length(Index points) { return points + 2 * reach + static_cast<Index>(widest_pack); }
 
-// Return the pivots of Gaussian elimination: 1/4, 1/(4 - 1/4) and so on. The pivots tend to 2 - sqrt(3).
+// Return the reciprocal pivots of Gaussian elimination: 1/4, 1/(4 - 1/4) and so on, which tend to 2 - sqrt(3).
 std::vector<double> pivots(Index points) {
   std::vector<double> result(static_cast<std::size_t>(points), 0.0);
   for (std::size_t i = 1; i < result.size(); ++i) {
@@ -86,7 +86,7 @@ std::vector<double> pivots(Index points) {
 }
 
 // Solve `lines` systems of `points` equations by Gaussian elimination, many systems in parallel.
-// The unknowns of all systems at a point are contiguous; successive points are `stride` elements apart in memory.
+// The unknowns of all systems at one point are contiguous in memory. Successive points are `stride` elements apart.
 STICTION_MULTIVERSION
 void solve_columns(double* values, Index points, Index lines, Index stride, const double* pivot) {
   for (Index i = 1; i + 1 < points; ++i) {

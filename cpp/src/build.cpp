@@ -12,7 +12,7 @@ STICTION_INLINE void simd_width_kernel(std::size_t& width) {
   width = Width;
 }
 
-// The loader selects the version of `simd_width` for the same instruction set as the versions of the hot loops.
+// The loader selects the version of `simd_width` by the same rule as the version of every hot loop.
 STICTION_KERNEL(simd_width, (std::size_t& width), (width))
 
 std::string instruction_set() {

@@ -66,7 +66,7 @@ class SplinedProfile {
   std::vector<double> curvature_;
 };
 
-// Point of a pair of profiles at which the detection method allows contact.
+// Point at which the detection method allows contact between two profiles.
 struct Site {
   std::size_t index;    // index of the grid point
   double offset;        // distance from the grid point [µm]
@@ -86,7 +86,7 @@ std::optional<Site> find_site(const SplinedProfile& upper, const SplinedProfile&
   return Site{i, *t, lower_height, (upper.height(i, *t) - lower_height) - zero};
 }
 
-// Store the asperity pair at a site. Returns false if the two asperities cannot touch.
+// Store the asperity pair at a site in `asperity_pair`. Returns false if the two asperities cannot touch.
 bool set_asperity_pair(const SplinedProfile& upper, const SplinedProfile& lower, const Site& site, Curvature curvature,
                        AsperityPair& asperity_pair) {
   const Asperity upper_asperity = upper.asperity(site.index, site.offset);

@@ -10,7 +10,7 @@ namespace stiction {
 [[noreturn]] void fail(const std::string& message);
 
 /// Check that there is at least one approach, and that all approaches are finite, >= 0 and strictly increasing.
-/// No approach may exceed `deepest`, the approach up to which candidates were collected. Throws std::invalid_argument.
+/// Also check that no approach exceeds `deepest`, up to which candidates were found. Throws std::invalid_argument.
 void check_approaches(Values approaches, double deepest);
 
 /// Throw std::invalid_argument unless a direction is a horizontal unit vector.

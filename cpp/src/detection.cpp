@@ -9,7 +9,7 @@
 namespace stiction {
 namespace {
 
-// Largest |heights| and NaN markers of two profiles, accumulated in one pass, with one element for each SIMD lane.
+// Largest |height| and NaN marker of two profiles in each SIMD lane, accumulated in one pass.
 struct PassSums {
   static constexpr std::size_t lanes = 16;
 
@@ -169,8 +169,8 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
     const double limit = half_cell + round_off * (std::abs(lower_x) + std::abs(separation_x) + std::abs(half_excess));
     // The contact centre is at x = middle - half_excess * separation_x / distance.
     // The distance of the sphere centres lies between `min_distance` and `max_distance`.
-    // Both sides of the comparison with the cell edges are multiplied by the distance, which avoids a division.
-    // Points whose derivatives are NaN are marked, so that the exact rules are applied to them.
+    // The contact centre is compared with the cell edges after multiplication by the distance, which avoids a division.
+    // Points whose derivatives are NaN are marked, so that the exact rules decide about these points.
     const double shift = half_excess * separation_x;
     const double left_edge = middle - limit;
     const double right_edge = middle + limit;

@@ -22,16 +22,16 @@ using std::numbers::pi;
 
 // Number of columns of an area that are transformed together: one cache line in single precision.
 constexpr std::size_t columns_per_block = 8;
-// Number of rows by which loading into the cache is ahead of copying.
+// Number of rows between the row that is copied and the row that is loaded into the cache.
 constexpr std::size_t rows_ahead = 16;
-// Number of values that a thread processes per task, and between two cancellation checks.
+// Number of values that a thread processes in one task, between two cancellation checks.
 // Areas with fewer values than one task are not divided, because the threads would wait for each other.
 constexpr std::size_t values_per_task = std::size_t{1} << 15;
 // Sum of all stencil weights, as a fraction of the weight of the centre.
 // The stencil multiplies long wavelengths by the sum of its weights, which must be small for wide contact patches.
 constexpr double stencil_sum = 0.04;
-// Smallest displacement due to a Fourier component of the pressure, relative to the displacement of a loaded cell.
-// Zero padding truncates the influence of a load, so that some Fourier components could be zero or negative.
+// Lower limit of the displacement due to a Fourier component, relative to the displacement of a loaded cell.
+// Without this limit, zero padding could make the displacement zero or negative.
 constexpr double min_compliance_ratio = 1e-3;
 // Number of points along each axis of the periodic area from which the stencil is computed.
 constexpr std::size_t stencil_points = 32;
@@ -77,7 +77,7 @@ void multiply_line(const double* coefficients, const double* direct_factors, con
 
 // Multiply the columns k and m - k of a two-dimensional transform by the factors of their wavenumbers.
 // Along y, `second` is traversed backwards, because it belongs to the wavenumber of the opposite sign.
-// Each factor appears twice, for the real and the imaginary part of a coefficient.
+// Each factor is stored twice, for the real and for the imaginary part of a coefficient.
 template <class Real>
 STICTION_INLINE void multiply_mirrored(Real* __restrict first, Real* __restrict second, const Real* first_factors,
                                        const Real* second_factors, const Real* mixing_factors, std::size_t size) {
@@ -141,7 +141,7 @@ void mix_columns(double* first, double* second, const double* factors, const dou
   mix_columns_kernel(first, second, factors, mirrored_factors, sine, cosine, size);
 }
 
-// Prefetch the columns of a row that will be copied soon.
+// Prefetch the columns of a row that is copied later.
 // The processor does not prefetch columns by itself, because successive rows are far apart in memory.
 template <class Real>
 void prefetch_columns(const std::complex<Real>* columns) {
@@ -176,7 +176,7 @@ void scatter_columns(const std::complex<Real>* columns, std::size_t column_strid
   }
 }
 
-// Size of a grid, and size of its transform after zero padding.
+// Size of a grid, and size of the grid with zero padding, which is transformed.
 struct TransformShape {
   std::size_t rows;
   std::size_t columns;
@@ -337,7 +337,7 @@ class Filter {
       result_rows = all_rows;
     }
     // Columns k and m - k are transformed together, because packing combines these two columns.
-    // Column 0 of a transform is paired with itself and, for even m, so is the middle column.
+    // Column 0 of a transform is paired with itself. If m is even, so is the middle column.
     const std::size_t pairs = shape_.packed() ? count / 2 + 1 : count;
     const std::size_t blocks = std::max<std::size_t>(values_per_task / shape_.padded_rows / columns_per_block, 1);
     const std::size_t columns_per_task = blocks * columns_per_block;
@@ -368,7 +368,7 @@ class Filter {
     Complex* values = buffers[1].template get<Real>(columns_per_block * column_stride);
     std::array<Complex*, 2> coefficients = {buffers[2].template get<Real>(columns_per_block * column_stride),
                                             buffers[3].template get<Real>(columns_per_block * column_stride)};
-    // Column 0 of a transform and the middle column, which is the last one, are paired with themselves.
+    // Column 0 of a transform is paired with itself, and so is the middle column, which is the last column.
     const std::size_t begin = std::max<std::size_t>(first, 1);
     const std::size_t end = 2 * (last - 1) == count ? last - 1 : last;
     const std::size_t mirrored_count = shape_.packed() && end > begin ? end - begin : 0;
@@ -487,7 +487,7 @@ std::vector<double> stiffness(const TransformShape& shape, const Grid& grid, dou
 // On a line, the pressure of 1 GPa acts between the origin and x.
 // On an area, the pressure of 1 GPa acts on the rectangle between the origin and the corner (x, y).
 double corner_integral(double x, double effective_modulus) {
-  // `corner_integral` integrates -2/(π E*) ln|x|. A different length unit would only shift all displacements equally.
+  // The result is the integral of -2/(π E*) ln|x|. A different length unit would shift all displacements equally.
   return -2 / (pi * effective_modulus) * x * (std::log(std::abs(x)) - 1.0);
 }
 
@@ -497,7 +497,7 @@ double corner_integral(double x, double y, double effective_modulus) {
 
 double cell_edge(std::size_t i, double spacing) { return (static_cast<double>(i) - 0.5) * spacing; }
 
-// Compute the displacement in each column of the row of cells that is `row` rows from a loaded cell.
+// Compute the displacement of each cell in the row of cells that is `row` rows from a loaded cell.
 // The pressure on the loaded cell is 1 GPa. On a line, the argument `row` is 0.
 void compute_influence_row(const Grid& grid, double effective_modulus, std::size_t row, std::span<double> influence) {
   const std::size_t count = influence.size();
@@ -638,7 +638,7 @@ std::vector<double> to_stiffness(std::vector<double> compliance_factors) {
   return compliance_factors;
 }
 
-// Replace the compliance for a uniform pressure by the largest compliance for any wavelength.
+// Set the compliance for a uniform pressure to the largest compliance for any wavelength.
 std::vector<double> to_preconditioner(std::vector<double> compliance_factors) {
   compliance_factors[0] = *std::max_element(compliance_factors.begin(), compliance_factors.end());
   return compliance_factors;

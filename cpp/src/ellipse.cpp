@@ -9,7 +9,7 @@ namespace stiction {
 namespace {
 
 // Elliptic integrals K and E of modulus e, computed from the arithmetic-geometric mean of 1 and k.
-// K equals π / (2 · mean), and `ratio` equals (K - E) / (e² K).
+// K = π / (2 · mean), with the arithmetic-geometric mean `mean`, and `ratio` = (K - E) / (e² K).
 // The variable `ratio` tends to 1/2 for k -> 1, and to 1 - 1/K for k -> 0.
 // Source: Abramowitz & Stegun (1964), section 17.6.
 struct Integrals {
@@ -43,7 +43,7 @@ double log_slope(double k, double ratio) {
   const double complement = 1.0 - ratio;
   if (e2 < 1e-4) {
     // For e -> 0, the derivative tends to 1.5.
-    // The error of the limit 1.5 is about e², too small to change the number of iterations noticeably.
+    // Returning the limit causes an error of about e², too small to change the number of iterations noticeably.
     return 1.5;
   }
   return 2.0 + ((k * k * ratio - complement) / e2 + ratio * complement) / (ratio * complement);
@@ -57,9 +57,9 @@ Ellipse hertz_ellipse(double longer, double shorter) {
                                 format_number(longer) + " and " + format_number(shorter) + " µm");
   }
   const double target = shorter / longer;
-  // Newton's method solves for the axis ratio k of the contact ellipse. The logarithm of the ratio of the radii of
-  // curvature, shorter/longer, is almost a linear function of ln k. The slope of this function is 1.5 at k = 1 and
-  // tends to 2 for k -> 0.
+  // Newton's method solves for the axis ratio k of the contact ellipse.
+  // The logarithm of the ratio of the radii of curvature, ln(shorter/longer), is almost a linear function of ln k.
+  // The derivative of ln(shorter/longer) with respect to ln k is 1.5 at k = 1 and tends to 2 for k -> 0.
   double k = std::cbrt(target * target);
   Integrals values = integrals(k);
   for (int i = 0; i < 20; ++i) {

@@ -11,7 +11,7 @@
 namespace stiction {
 namespace {
 
-// A step changes small gaps by at most this multiple of the range of the attraction, so that it passes no equilibrium.
+// A step changes small gaps by at most this multiple of the range of the attraction, so that no equilibrium is missed.
 constexpr double max_gap_change = 2.0;
 constexpr double small_gap = 5.0;  // largest small gap, as a multiple of the range of the attraction
 // Gap beyond which the line search neglects the attraction, as a multiple of the range of the attraction.
@@ -26,13 +26,13 @@ constexpr int max_line_search_steps = 12;
 constexpr double min_step_bracket_fraction = 0.02;  // smallest distance of a trial step from the ends of its bracket
 // The net pressure is recomputed in double precision after this number of steps, because round-off accumulates.
 constexpr std::int64_t steps_per_recomputation = 20;
-// Maximum number of successive directions along which round-off increases the energy.
+// Maximum number of successive search directions along which round-off increases the energy.
 constexpr std::int64_t max_failed_descents = 3;
 // Number of values per task. This number is fixed, so that sums do not depend on the number of threads.
 constexpr std::size_t extended_values_per_task = std::size_t{1} << 15;
 constexpr std::size_t stress_lanes = 16;  // number of partial sums of a sum, for vectorisation by the compiler
 
-// Partial sums of a sum over points, which are added after the loop over the points.
+// Partial sums over points, which are added after the loop over the points.
 using Lanes = std::array<double, stress_lanes>;
 
 double total(const Lanes& values) {
@@ -43,7 +43,7 @@ double total(const Lanes& values) {
   return sum;
 }
 
-// Call `visit(index, lane)` for the indices from 0 to size - 1.
+// Call `visit(index, lane)` for each index from 0 to size - 1, where `lane` selects a partial sum.
 template <class Visit>
 STICTION_INLINE void for_lanes(std::size_t size, const Visit& visit) {
   std::size_t i = 0;
@@ -148,7 +148,7 @@ void negate(float* values, std::size_t size) {
   }
 }
 
-// Set the changes of the gap at points that stay in contact to 0.
+// Set the gap changes of points that stay in contact to 0.
 STICTION_MULTIVERSION
 void fix_contacts(const double* gap, const float* residual, std::size_t size, float* __restrict changes) {
   for (std::size_t i = 0; i < size; ++i) {
@@ -157,7 +157,7 @@ void fix_contacts(const double* gap, const float* residual, std::size_t size, fl
   }
 }
 
-// Add a multiple of the last direction to the descent. Returns the scalar product of new direction and residual.
+// Add a multiple of the last direction to the descent direction. Returns the scalar product of sum and residual.
 STICTION_MULTIVERSION
 double add_direction(const float* descent, const float* residual, float factor, std::size_t size,
                      float* __restrict direction) {
@@ -179,9 +179,9 @@ struct Edges {
   }
 };
 
-// At points with zero gap, set gap changes to 0 if they have the same sign as the residual.
+// Set a gap change to 0 if the gap is zero and the residual has the same sign as the gap change.
 // The change of the displacement is the change of the gap plus the change of the approach.
-// Returns the product of gap changes and residual, and the largest change of small gaps.
+// Returns the scalar product of gap changes and residual, and the largest change of a small gap.
 STICTION_MULTIVERSION
 Edges fix_edges(const double* gap, const float* residual, double largest_small_gap, float approach, std::size_t size,
                 float* __restrict direction, float* __restrict displacement_change) {
@@ -205,8 +205,8 @@ void add_multiple(const float* values, double factor, std::size_t size, double* 
   }
 }
 
-// Change the gaps by a step. A point that closes stops at a gap of 0, and its remaining gap change is stored.
-// Returns whether a remaining gap change is stored for any point.
+// Change the gaps by a step. A gap that closes becomes 0, and the rest of its change is stored.
+// Returns whether any gap closed, so that the rest of the gap change is stored.
 STICTION_MULTIVERSION
 bool change_gaps(const float* direction, double step, bool yields, std::size_t size, double* __restrict gap,
                  float* __restrict remainder) {
@@ -301,9 +301,9 @@ std::size_t EnergyMinimizer::on_extended_grid(std::size_t point) const {
   return point / grid_.columns * kernel_.columns() + point % grid_.columns;
 }
 
-// Call `work(first, size, gap_index)` for each row of the extended grid, and add the results in a fixed order.
-// `first` is the index of the first point of the row, and `size` is the number of its points on the original grid.
-// On the original grid, the first point of the row has the index `gap_index`.
+// Call `work(first, size, gap_index)` for each row of the extended grid, and add the returned sums in a fixed order.
+// `first` is the index of the row's first point, and `size` is the number of points of the row on the original grid.
+// `gap_index` is the index of the row's first point on the original grid.
 template <class Sums, class Work>
 Sums EnergyMinimizer::sum_rows(const ThreadPool& pool, const Work& work) const {
   const std::size_t rows_per_task = std::max<std::size_t>(extended_values_per_task / kernel_.columns(), 1);
@@ -462,7 +462,7 @@ double EnergyMinimizer::compute_conjugate_direction(MinimizationState& state, do
   return slope;
 }
 
-// At points with zero gap, set gap changes to 0 if they have the same sign as the residual.
+// Set a gap change to 0 if the gap is zero and the residual has the same sign as the gap change.
 EnergyMinimizer::Direction EnergyMinimizer::fix_contact_points(MinimizationState& state, const ThreadPool& pool) {
   const auto edges = sum_rows<Edges>(pool, [&](std::size_t first, std::size_t size, std::size_t gap_index) {
     Edges row = fix_edges(state.gap.data() + gap_index, &residual_[first], small_gap * interface_.range,
@@ -548,7 +548,7 @@ void EnergyMinimizer::change_state(MinimizationState& state, double step, double
 }
 
 // Compute the net pressure from the displacements in double precision.
-// The displacements around a free grid are computed from the last net pressure.
+// On free grids, the displacements of points around the grid are first computed from the last net pressure.
 void EnergyMinimizer::recompute_net_pressure(MinimizationState& state, double load, const ThreadPool& pool) {
   if (!grid_.periodic) {
     kernel_.displacement(state.net_pressure, displacement_, workspace_, pool);

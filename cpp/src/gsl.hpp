@@ -6,7 +6,7 @@
 
 namespace stiction::gsl {
 
-/// Solve the symmetric tridiagonal system whose diagonal and off-diagonal elements are constant.
+/// Solve a symmetric tridiagonal system with equal numbers on the diagonal, and equal numbers beside the diagonal.
 /// `solution` must not alias `right_side`. Throws std::runtime_error with GSL's message.
 void solve_tridiagonal(double diagonal, double off_diagonal, Values right_side, std::span<double> solution);
 

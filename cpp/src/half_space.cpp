@@ -30,9 +30,9 @@ namespace {
 constexpr std::size_t min_points_per_axis = 16;
 // Maximum number of points of a grid whose influence coefficients are stored.
 constexpr std::size_t max_influence_points = std::size_t{1} << 20;
-// Relative tolerance of solutions on coarser grids, whose discretisation error is larger than this tolerance.
+// Relative tolerance of solutions on coarser grids. The discretisation error of these solutions is larger.
 constexpr double coarse_tolerance = 3e-3;
-// Maximum ratio of two loads on an area for which the solution at one load is the starting point at the other.
+// On an area, the solution at another load is the starting point if the loads differ by at most this factor.
 constexpr double max_load_ratio = 1.3;
 // Limits on the numbers of iterations. The finest grid rarely requires a hundred iterations.
 // Coarser grids may stop early, because their solutions are only starting points.
@@ -40,21 +40,21 @@ constexpr std::int64_t max_iterations = 2000;
 constexpr std::int64_t max_coarse_iterations = 100;
 // Maximum number of evaluations of displacements in double precision, reached only if round-off prevents convergence.
 constexpr int max_exact_evaluations = 20;
-// Largest accepted relative difference between the displacements of contact points, which should all be equal.
+// Largest accepted relative difference between displacements of contact points, which are equal in the exact solution.
 // The relative error of the compliance depends on the square of the accepted difference, and is about 1e-7.
 constexpr double compliance_tolerance = 1e-3;
-// Factor on `compliance_tolerance` for problems that define only differences of displacements.
+// Factor by which `compliance_tolerance` is multiplied if only differences of displacements are defined.
 // If only differences of displacements are defined, the compliance is not an energy, so its error is larger.
 constexpr double difference_tolerance = 0.03;
 // Maximum number of contact points whose linear response is computed with a dense matrix.
 // Up to 1024 contact points, solving with the matrix is faster than solving with transforms of the grid.
 constexpr std::size_t max_dense_points = 1024;
-// Limits for computing displacements with a dense matrix, only at points that can come into contact.
+// Limits up to which displacements are computed with a dense matrix, only at points that can come into contact.
 // Up to `max_matrix_ratio` matrix elements per grid point, the matrix is faster than transforms of the grid.
 // `max_selected_points` limits the size of the matrix to 16 MiB.
 constexpr std::size_t max_matrix_ratio = 16;
 constexpr std::size_t max_selected_points = 2048;
-// Points can come into contact if their gap is below `selection_approach_ratio` times the current approach.
+// Points are selected for the dense matrix if their gap is below `selection_approach_ratio` times the approach.
 // Both the gap and the approach are measured from the lowest gap of the grid.
 constexpr double selection_approach_ratio = 1.1;
 constexpr std::size_t points_per_task = std::size_t{1} << 16;
@@ -64,7 +64,7 @@ constexpr double round_off = 1e-9;
 constexpr int max_loads = 60;
 // Maximum ratio of successive trial loads in the search for a given approach.
 constexpr double max_load_step = 30.0;
-// Minimum distance of a trial load from the ends of its bracket, as a fraction of the bracket.
+// Minimum distance of a trial load from the ends of the load bracket, as a fraction of the bracket.
 constexpr double min_bracket_fraction = 1e-3;
 
 std::size_t coarsened(std::size_t points, bool periodic) {
@@ -112,7 +112,7 @@ double standard_deviation(Values values) {
                    static_cast<double>(values.size()));
 }
 
-// Return the spacing of the new grid as a multiple of the spacing of the old grid, which has the same length.
+// Return the spacing of a new grid as a multiple of the spacing of the old grid. Both grids have the same length.
 // On free grids, the coarser grid consists of every second point of the finer grid.
 double relative_spacing(std::size_t old_points, std::size_t new_points, bool periodic) {
   if (periodic || old_points == new_points) {
@@ -174,11 +174,11 @@ std::vector<double> coarsen_gap(Values gap, const Grid& from, const Grid& to, st
   return result;
 }
 
-// Interpolate pressures between each point `left` and its right neighbour `right`, at a fraction of the spacing.
-// The points `before` and `after` are the outer neighbours of `left` and `right`.
+// Interpolate pressures at a fraction of the spacing between each point `left` and its right neighbour `right`.
+// `before` is the left neighbour of `left`, and `after` is the right neighbour of `right`.
 // Inside the contact, near its edge, the squared pressure is proportional to the distance from the edge.
 // Towards a point out of contact, the squared pressure is extrapolated linearly from two points in contact.
-// The extrapolation is at least so steep that the pressure vanishes at the point out of contact.
+// The extrapolated pressure vanishes at the point out of contact or closer to the contact.
 STICTION_MULTIVERSION
 void interpolate_pressure(const double* before, const double* left, const double* right, const double* after,
                           double fraction, std::size_t size, double* result) {
@@ -195,7 +195,7 @@ void interpolate_pressure(const double* before, const double* left, const double
 }
 
 // Interpolate the pressures of one row to a grid with the given number of columns.
-// `padded` is memory for the row with its neighbours, and `midpoints` for the pressures between its points.
+// `padded` is memory for the row and its neighbours, and `midpoints` is memory for the pressures between points.
 void refine_row(std::span<const double> row, bool periodic, std::span<double> result, std::vector<double>& padded,
                 std::vector<double>& midpoints) {
   const std::size_t columns = row.size();
@@ -254,7 +254,7 @@ bool is_dense_kernel_faster(std::size_t num_points, const Grid& grid) {
 
 // Solver on one level of the grid hierarchy, with the elastic kernel and the preconditioner of this level.
 // The starting pressure is scaled to the given mean [GPa]. If `gap` is empty, the gap is 0 at all points.
-// The arrays of the solver are taken from `memory`, and returned when the solver is destroyed.
+// The solver takes its arrays from `memory`, and returns the arrays when the solver is destroyed.
 //
 // On a free area, pressures displace every point away from the other body.
 // On a free area, a point whose initial gap exceeds the approach cannot come into contact.
@@ -305,10 +305,10 @@ class LevelSolver {
   // Return whether the potential was recomputed exactly and no step was taken since then.
   bool is_exact() const { return is_exact_; }
   // Return whether the potential is known at every point whose pressure bound is above 0.
-  // The returned value is defined only if each point has its own bound.
+  // `has_all_potentials` is meaningful only if each point has its own pressure bound.
   bool has_all_potentials() const { return !selected_points_ || selects_all_points_; }
 
-  // Update the free points. If the approach exceeds `max_approach_`, select more points that can come into contact.
+  // Update the free points. While the approach exceeds `max_approach_`, select more points that can come into contact.
   double update_free_points() {
     double error = cg_.update_free_points(pool_);
     while (selected_points_ && cg_.approach() > max_approach_) {
@@ -374,7 +374,7 @@ class LevelSolver {
  private:
   double bound_at(std::size_t i) const { return bound_[bound_.size() == 1 ? 0 : i]; }
 
-  // Return the grid points that meet a condition. Stops when there are too many of these points for a dense matrix.
+  // Return the grid points that meet a condition. The search stops if a dense matrix of the points would be too slow.
   template <class Condition>
   std::vector<std::size_t> find_points(Condition condition) const {
     std::vector<std::size_t> points;
@@ -386,7 +386,7 @@ class LevelSolver {
     return points;
   }
 
-  // Estimate the approach [µm] of the starting pressures: the mean potential where the pressure is between its bounds.
+  // Estimate the approach [µm] of the starting pressures: the mean potential of points with a pressure between bounds.
   // Returns infinity if all points under pressure are at their bound.
   // Also returns infinity if a dense kernel of the points under pressure would be slower than the transform.
   double estimate_approach() const {
@@ -472,7 +472,7 @@ double product(const double* left, const double* right, std::size_t size) {
 }
 
 // Return pressures at the given points that displace all of these points by 1 µm.
-// The linear system of the dense matrix of the given points is solved by conjugate gradients.
+// Conjugate gradients solve the linear system, whose matrix is the dense matrix of the given points.
 // Returns an empty array if a pressure is negative. Round-off may cause negative pressures at single-point contacts.
 std::vector<double> solve_dense(Values influence, const Grid& grid, const std::vector<std::size_t>& points,
                                 const ThreadPool& pool) {
@@ -593,7 +593,7 @@ HalfSpaceSolver::HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrid
   if (!(tolerance > 0.0)) {
     throw std::invalid_argument("HalfSpaceSolver: tolerance must be above 0");
   }
-  // Bounds of single points are defined only on the finest grid, so no coarser grids are used with such bounds.
+  // Coarser grids have no separate pressure bounds of points, so they are not used if each point has its own bound.
   const auto memory = grids_->borrow_memory();
   for (std::size_t level = 1; level < levels.size() && bound_.size() == 1; ++level) {
     coarse_gaps_.push_back(coarsen_gap(this->gap(level - 1), levels[level - 1], levels[level], memory->cg.potential));
@@ -602,7 +602,7 @@ HalfSpaceSolver::HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrid
   displacement_scale_ = unit_load_deviation(pool);
 }
 
-// Return the root-mean-square deviation [µm/GPa] of the displacements per mean pressure.
+// Return the root-mean-square deviation of the displacements from their mean, per mean pressure [µm/GPa].
 // The pressure is uniform or, if each point has its own bound, proportional to the bounds.
 double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
   const Grid& grid = grids_->levels()[0];
@@ -616,7 +616,7 @@ double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
     std::transform(bound_.begin(), bound_.end(), values.begin(), [&](double bound) { return bound / mean; });
     grids_->kernels(0, pool).points->displacement(values, values, memory->workspace, pool);
     const double deviation = standard_deviation(values);
-    // If the bounds are the pressures that displace all points equally, the computed deviation is only round-off.
+    // The deviation is only round-off if the bounds are the pressures that displace all points equally.
     if (!grid.periodic) {
       return std::max(deviation, grids_->uniform_pressure_deviation());
     }
@@ -668,14 +668,14 @@ HalfSpaceSolution HalfSpaceSolver::at(double mean_pressure, Values near, const T
   return solve_finest(std::move(start), mean_pressure, *memory, pool, progress);
 }
 
-// Find the root of `log_excess` as a function of the logarithm of the load, by the secant method (Illinois algorithm).
+// Find the root of `log_excess` as a function of ln(load) by the secant method (Illinois algorithm).
 // Periodic surfaces are in full contact if the approach is at least the mean gap.
 // On periodic surfaces, `log_excess` includes the remaining distance to full contact.
 HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, const ThreadPool& pool,
                                                const HalfSpaceProgress& progress) const {
   const Grid& grid = grids_->levels()[0];
   const double full_contact = grid.periodic ? mean_value(gap_) : std::numeric_limits<double>::infinity();
-  // E* approach / length, the mean pressure of a contact as large as the grid, is an upper limit for rough surfaces.
+  // The mean pressure of a contact as large as the grid, E* approach / length, is an upper limit for rough surfaces.
   // The first guess of the mean pressure is a tenth of E* approach / length.
   const double along_x = grid.spacing_x * static_cast<double>(grid.columns);
   const double length = grid.line ? along_x : std::max(along_x, grid.spacing_y * static_cast<double>(grid.rows));
@@ -825,7 +825,7 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
   }
   const double mean = 1.0 / static_cast<double>(in_contact.size());
   LevelSolver solver(kernels, {}, std::move(start), mean, bound, {}, *memory, pool);
-  // Single precision resolves 1e-7 of a displacement. Small differences of displacements on lines need more digits.
+  // Single precision resolves 1e-7 of a displacement, too little for small differences of displacements on lines.
   solver.recompute_potential(grid.line);
   for (std::int64_t i = 0; i < max_iterations; ++i) {
     const double error = solver.update_free_points();

@@ -28,7 +28,7 @@ std::unique_ptr<double[], AlignedDelete> allocate_aligned(std::size_t size) {
   return std::unique_ptr<double[], AlignedDelete>(new (std::align_val_t{cache_line}) double[size]);
 }
 
-// Base-2 logarithm of the largest number of turns that a phase may make along the grid.
+// Exponent n of the largest number of turns, 2^n, that a phase may make along the grid.
 // With more turns, fewer than 20 binary digits (a resolution of 1e-6) would remain for the fraction of a turn.
 // The limit is 2^44 turns if a long double has 64 binary digits, and 2^33 turns if a long double is a double.
 constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20;
@@ -58,11 +58,11 @@ double to_radians(Turns turns) {
 
 Complex unit_phasor(Turns turns) { return std::polar(1.0, to_radians(turns)); }
 
-// Harmonic Re[A e^(i k x)]. The recurrence d -= 4 sin²(θ/2) z, z += d advances z by `lanes` points; θ = `lanes` k Δx.
+// Harmonic Re[A e^(i k x)]. Each step d -= 4 sin²(θ/2) z, z += d advances z by `lanes` points, with θ = `lanes` k Δx.
 // The round-off of a harmonic's recurrence is proportional to the number of steps, even for very small θ.
 struct Harmonic {
   alignas(cache_line) std::array<double, lanes> z;  // values at the next `lanes` points
-  // Difference between the value z and the value that is `lanes` points earlier.
+  // Differences between the values z and the values that are `lanes` points earlier.
   alignas(cache_line) std::array<double, lanes> d;
   double rate;                               // 4 sin²(θ/2)
   Complex amplitude;                         // complex amplitude at x = 0
@@ -80,8 +80,8 @@ struct Harmonic {
   }
 
   // Start the recurrence of the harmonic from its phase at a point.
-  // The values at the first `lanes` points are computed by doubling a run of values, which starts with one value.
-  // Each doubling appends a copy of the run, multiplied by e^(i k n Δx), where n is the length of the run.
+  // The first `lanes` values are computed from the value at the first point, by doubling the number of values.
+  // Each doubling multiplies the n known values by e^(i k n Δx), which gives the next n values.
   STICTION_MULTIVERSION void start(Index point) {
     std::array<double, lanes> imaginary;
     const Complex first = amplitude * unit_phasor(step * static_cast<Turns>(point));
@@ -146,7 +146,7 @@ std::vector<Group> make_groups(MatrixView phases, const HarmonicGrid& grid) {
 }
 
 // Subtract the next block of `count` harmonics from the profile. Each height is loaded and stored only once.
-// So few SIMD lanes are processed together that their values of z and d stay in registers.
+// So few SIMD lanes are processed in one pass that all values of z and d stay in registers.
 template <std::size_t Width, std::size_t count>
 STICTION_INLINE void subtract(double* values, Harmonic* harmonics) {
   constexpr std::size_t packs = Width == 8 ? 4 : 2;
@@ -299,7 +299,7 @@ constexpr Index points_per_run = 64;
 static_assert(block % points_per_run == 0);
 
 // Rotate a table of cosines and sines for consecutive points by the phase at the first point.
-// Adding the phase difference from point to point would accumulate round-off.
+// A table is rotated, because adding the phase difference from point to point would accumulate round-off.
 STICTION_MULTIVERSION
 void rotate_table(const double* table_cos, const double* table_sin, double c, double s, double* cosines,
                   double* sines) {

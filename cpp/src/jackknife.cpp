@@ -13,7 +13,7 @@ namespace {
 
 // Repetitions are processed in chunks so small that intermediate values fit into the first-level cache.
 constexpr std::size_t repetitions_per_chunk = 256;
-// A fixed number of partial sums, a multiple of all SIMD widths, gives the same order of additions for every width.
+// The number of partial sums is a multiple of all SIMD widths, so the order of additions is equal for every width.
 constexpr std::size_t sum_lanes = 32;
 using RepetitionChunk = std::array<double, repetitions_per_chunk>;
 using LaneValues = std::array<double, sum_lanes>;
@@ -46,7 +46,7 @@ STICTION_INLINE void compute_log1p(const RepetitionChunk& arguments, std::size_t
   }
 }
 
-// Call `add(value, lane)` for all values of a chunk.
+// Call `add(value, lane)` for all values of a chunk, where `lane` selects a partial sum.
 template <class Add>
 STICTION_INLINE void for_each_lane(const RepetitionChunk& values, std::size_t size, Add add) {
   std::size_t i = 0;

@@ -16,13 +16,13 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 // Tolerances of positions, in units of the side of a cell.
 // A minimum may lie outside its cell by up to `max_overshoot`, so that round-off loses no minimum between cells.
-// Two minima within `merge_distance` count as one minimum.
+// Two minima count as one minimum if the distance between their positions is below `merge_distance`.
 constexpr double max_overshoot = 1e-8;
 constexpr double merge_distance = 1e-6;
 
 // The spline in a cell lies within the range of its 16 coefficients.
 // Each derivative of the spline lies within the range of the differences of its 16 coefficients.
-// A minimum requires a coefficient of at most `max_value`, and ranges of both derivatives that contain zero.
+// A minimum is possible if a coefficient is at most `max_value`, and if the ranges of both derivatives contain zero.
 
 STICTION_INLINE double smaller(double a, double b) { return a < b ? a : b; }
 STICTION_INLINE double larger(double a, double b) { return a > b ? a : b; }
@@ -49,7 +49,7 @@ void mark_low(const double* coefficients, Index cells, double max_value, unsigne
   }
 }
 
-// Smallest coefficient of four successive rows in each column, and ranges of the differences along x and along y.
+// For each column: smallest coefficient of four successive rows, and ranges of the differences along x and along y.
 struct Ranges {
   explicit Ranges(Index columns) : buffer(static_cast<std::size_t>(5 * columns)), size(columns) {}
   double* lowest() { return buffer.data(); }
@@ -102,7 +102,7 @@ void mark_possible_cells(const double* lowest, const double* x_low, const double
 // Bernstein coefficients of a bicubic polynomial on a grid cell or a part of a cell, with x as the inner index.
 using Net = std::array<std::array<double, 4>, 4>;
 
-// Bernstein coefficients of several cells or parts of cells, whose index is the innermost index.
+// Bernstein coefficients of several cells or parts of cells. The last index selects the cell or part.
 template <std::size_t lanes>
 using Nets = std::array<std::array<std::array<double, lanes>, 4>, 4>;
 
@@ -111,7 +111,7 @@ constexpr std::size_t cells_per_batch = 8;
 // Result of the sign tests for a part of a cell: no minimum possible, convex (at most one minimum), or undecided.
 enum class CellClass : unsigned char { excluded, convex, undecided };
 
-// Bernstein coefficients of several cells or parts of cells, one in each lane of the SIMD registers.
+// Bernstein coefficients of several cells or parts of cells, with one cell or part in each SIMD lane.
 template <std::size_t Width>
 using PackNet = Pack<Width>[4][4];
 

@@ -1,6 +1,6 @@
 // Function multiversioning: hot loops are compiled for several instruction sets.
 // The loader selects the widest instruction set that the machine supports.
-// STICTION_MULTIVERSION is for loops that the compiler vectorises automatically.
+// STICTION_MULTIVERSION is for plain loops, which the compiler vectorises automatically.
 // STICTION_KERNEL is for loops that use SIMD registers explicitly, so that important values stay in registers.
 #pragma once
 
@@ -35,14 +35,14 @@
 #define STICTION_MULTIVERSION
 #endif
 
-// Clang reports a function as unused if only the loader refers to the function.
+// Clang reports a function as unused if only the loader uses the function.
 #if defined(__clang__)
 #pragma clang diagnostic ignored "-Wunused-function"
 #endif
 
 /// Define the function `void name(parameters)` from the template `name_kernel<Width>(arguments)`.
 /// Width is the number of doubles in a register of the instruction set.
-/// If a SIMD type is wider than a register, GCC stores its values in memory, where access is 20 times slower.
+/// If a SIMD type is wider than a register, GCC stores its values in memory, which is 20 times slower to access.
 #if defined(STICTION_WIDE)
 #define STICTION_KERNEL(name, parameters, arguments)                                                            \
   __attribute__((target(STICTION_WIDEST))) void name parameters { name##_kernel<8> arguments; } /* AVX-512 */   \
@@ -91,7 +91,7 @@ using Pack = typename PackOf<Width>::Type;
 inline constexpr std::size_t widest_pack = 8;
 
 // Load a SIMD register from unaligned memory.
-// std::memcpy is not used, because GCC splits the copy before the instruction set is known.
+// std::memcpy is not used, because GCC would split the copy before the instruction set is known.
 template <std::size_t Width>
 STICTION_INLINE Pack<Width> load(const double* values) {
   return reinterpret_cast<const typename PackOf<Width>::Unaligned*>(values)->pack;

@@ -28,7 +28,7 @@ namespace {
 
 constexpr std::size_t chunk_length = std::size_t{1} << 18;  // number of characters that one task converts
 
-// Count the ends of cells in a part of a text. The counters are short integers, so that the loop is vectorised.
+// Count the ends of cells in a part of a text. Counters of short integer type allow the loop to be vectorised.
 STICTION_MULTIVERSION
 std::size_t count_cell_ends(const char* text, std::size_t size, char separator) {
   constexpr std::size_t block = 255;

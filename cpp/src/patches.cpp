@@ -10,7 +10,7 @@
 namespace stiction {
 namespace {
 
-// Points under pressure extend beyond the true contact by this fraction of a cell at each open side of a cell.
+// At each open side of a cell, a point under pressure extends beyond the true contact by this fraction of the cell.
 // On profiles, the fraction is half of 0.38 ± 0.03 points per contact, from Westergaard's solution for a sinusoid.
 constexpr double line_side_fraction = 0.19;
 constexpr double area_side_fraction = (std::numbers::pi - 1 + std::numbers::ln2) / 24;
@@ -83,7 +83,7 @@ Patches patches_of(Values pressure, const Grid& grid, double hardness) {
   const auto rows = static_cast<std::int64_t>(grid.rows);
   const auto columns = static_cast<std::int64_t>(grid.columns);
   const double side_fraction = grid.line ? line_side_fraction : area_side_fraction;
-  // Return the number of a point: 0 beyond an edge or, if the grid is periodic, the number at the opposite edge.
+  // Return the number of a point. Beyond an edge, return 0 or, on a periodic grid, the number at the opposite edge.
   const auto at = [&](std::int64_t row, std::int64_t column) -> std::int32_t {
     if (row < 0 || row >= rows || column < 0 || column >= columns) {
       if (!grid.periodic) {

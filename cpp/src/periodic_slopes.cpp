@@ -12,10 +12,10 @@
 namespace stiction {
 namespace {
 
-// Columns are copied in strips of 4 pairs, whose heights in a row fill a cache line.
+// Columns are copied in strips of 4 pairs of columns, whose heights in one row fill a cache line.
 constexpr Index pairs_per_strip = 4;
 
-// Derivative of two periodic lines at a time. One line is the real part of the complex values, one the imaginary part.
+// Derivative of two periodic lines at a time, which are the real and the imaginary part of complex values.
 class PairDerivative {
  public:
   PairDerivative(Index points, double spacing)

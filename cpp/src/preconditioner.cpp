@@ -13,10 +13,10 @@ namespace {
 // The conjugate-gradient steps for the blocks end once the squared relative residual falls below `block_tolerance`.
 constexpr int max_block_steps = 5;
 constexpr double block_tolerance = 1e-4;
-// Largest relative change of the number of free points for which the foundation stiffness is reused.
+// The foundation stiffness is reused if the number of free points changes by at most this fraction.
 constexpr double max_foundation_change = 0.02;
 constexpr std::size_t points_per_block_task = std::size_t{1} << 16;
-// Block sums are computed as partial sums by at most `max_tasks` tasks.
+// Maximum number of tasks, each of which computes partial sums of the blocks.
 constexpr std::size_t max_tasks = 8;
 
 double product(const std::vector<float>& left, const std::vector<float>& right) {

@@ -15,8 +15,8 @@
 namespace stiction {
 namespace {
 
-// Limits of the ratio of the optimal step length to the trial step length.
-// If the ratio is below the lower limit, the step is shortened.
+// Limits of the optimal step length, relative to the trial step length.
+// Below the lower limit, the step is shortened.
 // Both limits also restrict the ratio of successive trial step lengths.
 constexpr double min_length_factor = 0.5;
 constexpr double max_length_factor = 2.0;
@@ -25,7 +25,7 @@ constexpr int max_failed_steps = 6;
 // Factor by which the step length is reduced after a failed step.
 constexpr double failure_factor = 0.25;
 // Upper limit of the load change at a free point, relative to the load on all free points.
-// A larger change at a free point would let round-off affect the total load.
+// With a larger change at a free point, round-off would affect the total load.
 // Without `max_change_ratio`, step lengths would grow indefinitely, because steps that end at a bound are too short.
 constexpr double max_change_ratio = 1e3;
 constexpr int max_newton_steps = 200;
@@ -129,7 +129,7 @@ struct ClippedSum {
   }
 };
 
-// Subtract a shift from the pressures, clip the pressures to 0 and to their bounds, and return their sum.
+// Return the sum of the pressures after subtracting a shift and clipping each pressure to 0 and to its bound.
 STICTION_MULTIVERSION
 ClippedSum clipped_sum(const double* pressure, const double* bound, std::size_t size, double shift) {
   std::array<double, grid_sum_lanes> sums{};
@@ -187,7 +187,7 @@ double shift_to_sum(std::span<const double> pressure, std::span<const double> bo
     }
     (excess > 0.0 ? left : right) = shift;
     double next = current.between > 0.0 ? shift + excess / current.between : left + 0.5 * (right - left);
-    // If `next` is not finite, no pressure lies strictly between the bounds, and one end of the bracket is infinite.
+    // `next` is infinite or NaN if no pressure lies strictly between the bounds and one end of the bracket is infinite.
     if (!std::isfinite(next)) {
       const auto [lowest, highest] = std::minmax_element(pressure.begin(), pressure.end());
       const double max_bound = *std::max_element(bound.begin(), bound.end());
@@ -396,10 +396,9 @@ void ProjectedCgSolver::find_free_points(std::size_t first, std::size_t last, st
 }
 
 // Return the approach if each point has either no pressure or the pressure at its upper bound.
-// At the returned approach, points at their pressure bound must not have a gap, and points without pressure must not
-// overlap.
-// The approach is the largest potential under pressure, if no potential at a point without pressure is lower.
-// Otherwise, the approach lets some points at their pressure bound and some points without pressure become free.
+// At the returned approach, points at their bound must have no gap, and points without pressure must not overlap.
+// If no potential without pressure is below the largest potential under pressure, the approach is this potential.
+// Otherwise, no such approach exists, and the returned approach lets some of the points become free.
 double ProjectedCgSolver::approach_from_bounds() const {
   double max_loaded = -std::numeric_limits<double>::infinity();
   double min_unloaded = std::numeric_limits<double>::infinity();
@@ -414,9 +413,9 @@ double ProjectedCgSolver::approach_from_bounds() const {
 }
 
 // Call the visitor for each run of constrained points, which lies between two free points.
-// The visitor receives the indices of these free points in `free_points_`, and the length of the run.
+// The visitor receives the positions of the two free points in `free_points_`, and the length of the run.
 // A run that wraps around the edge of the grid is passed as two segments.
-// A segment is described by its first point, its length, and its offset in the run of constrained points.
+// A segment has a first point, a length, and an offset in the run of constrained points.
 template <class Visit>
 void ProjectedCgSolver::for_each_constrained_run(Visit visit) const {
   const auto size = static_cast<std::int32_t>(pressure_.size());
@@ -632,8 +631,8 @@ bool ProjectedCgSolver::advance(std::span<const float> response, const ThreadPoo
     conjugate_ = false;
     return false;
   }
-  // A full step that is clipped at bounds is accepted if it lowers the energy.
-  // A shortened step would leave some pressure at points at which the full step removes all pressure.
+  // If a full step is clipped at bounds, the full step is accepted if the energy decreases.
+  // A shortened step would leave pressure at points that the full step unloads completely.
   const double fraction = clipped_
                               ? (optimum >= min_length_factor ? 1.0 : optimum)
                               : (optimum <= 1.0 ? optimum : std::min(optimum, std::max(max_feasible_fraction(), 1.0)));

@@ -135,7 +135,7 @@ void natural_spline_from(Values heights, double spacing, Index first, std::span<
   const double* y = heights.data();
   const double scale = load_scale(spacing);
   const Index last = size - 1;
-  // Mirroring the load on the spline at both ends, with opposite sign, makes the curvature zero at both ends.
+  // The load on the spline is mirrored at both ends with opposite sign, which makes the curvature zero at both ends.
   const auto load_at = [&](Index j) {
     const Index i = (j % (2 * last) + 2 * last) % (2 * last);
     const Index image = i > last ? 2 * last - i : i;

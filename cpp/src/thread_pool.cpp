@@ -80,7 +80,7 @@ struct ThreadPool::Workers {
     }
   }
 
-  // Start one thread. Returns false if the system cannot create another thread, for example at a limit of their number.
+  // Start one thread. Returns false if the system cannot create another thread, for example because of a limit.
   // Does not throw if the thread cannot start, because the calling thread can finish the calculation alone.
   bool start_thread() {
     try {

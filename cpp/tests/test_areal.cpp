@@ -55,7 +55,7 @@ TEST_CASE("contact_geometry: relative curvatures are measured in the tangent pla
 }
 
 TEST_CASE("areal press: a paraboloid on a flat has one elliptic contact for all directions and sliding rules") {
-  // At the edges of the map, the curvature of the spline is zero instead of the curvature of the paraboloid.
+  // At the edges of the map, the spline has zero curvature, unlike the paraboloid.
   // The curvature at the minimum, 15 points from the edges, has a relative error of about 0.268^15 = 3e-9.
   constexpr double tolerance = 1e-7;
   const Matrix upper = paraboloid(31, 41, 3.0, 1.0);
@@ -84,7 +84,7 @@ TEST_CASE("areal press: a paraboloid on a flat has one elliptic contact for all 
 }
 
 TEST_CASE("tangent: is a unit tangent and matches the sliding factors, also at walls along the motion") {
-  // Walls whose normals have the vertical component `up`, rotated by `turn` relative to the motion.
+  // The normal of the wall has the vertical component `up`, and is rotated by `turn` relative to the motion.
   // If `up` and `turn` are small, the tangent t is almost perpendicular to the motion s.
   // If the tangent t is almost perpendicular to the motion s, the vector form (s·n) n - s loses digits by cancellation.
   for (const double turn : {0.0, 1e-9, 1e-6, 1e-3, 0.5}) {

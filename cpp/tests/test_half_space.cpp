@@ -80,7 +80,7 @@ std::vector<double> rough_surface(const Grid& grid) {
 }
 
 // Check the mean pressure and, to within a tolerance, the contact conditions.
-// No point under pressure may have a gap, and only points whose pressure equals the bound may overlap.
+// Points under pressure must not have a gap, and only points at their pressure bound may overlap.
 void check_contact_conditions(const HalfSpaceGrids& grids, const std::vector<double>& gap,
                               const std::vector<double>& bound, double mean, double unit,
                               const HalfSpaceSolution& solution) {
@@ -148,7 +148,7 @@ TEST_CASE("HalfSpaceSolver: satisfies the contact conditions on the whole grid i
     misplaced[i] = i % 97 == 0 ? 0.01 : 0.0;
   }
   std::ptrdiff_t max_loaded = 0;
-  // The solver always starts from given pressures if each point has its own bound.
+  // If each point has its own bound, the solver always starts from the given pressures.
   for (const std::vector<double>& bound :
        {unbounded, std::vector<double>{0.5}, std::vector<double>(grid.size(), 0.5), uneven}) {
     const HalfSpaceSolver solver(gap, grids, bound, tolerance);

@@ -15,7 +15,7 @@ namespace {
 constexpr double round_off = 1e-6;  // relative error of steps in single precision
 const std::vector<double> none{std::numeric_limits<double>::infinity()};
 
-// Independent springs with K p = p / stiffness. The exact preconditioner is the stiffness itself.
+// Independent springs with K p = p / stiffness. The exact preconditioner multiplies by the stiffness.
 struct Springs {
   std::vector<double> gap;
   double stiffness;
@@ -78,7 +78,7 @@ TEST_CASE("ProjectedCgSolver: a bound limits the pressure and other points carry
 }
 
 TEST_CASE("ProjectedCgSolver: respects a separate bound for each point") {
-  // The bounds limit the second and the third spring to 0 and 1, so 2 (δ + (δ - 4)) = 9 and δ = 4.25.
+  // The bounds limit the pressures of spring 2 and spring 3 to 0 and 1, so 2 (δ + (δ - 4)) = 9 and δ = 4.25.
   // At the approach δ = 4.25, the second and the third spring overlap.
   for (const bool line : {false, true}) {
     const auto solver = Springs{{0.0, 1.0, 2.0, 4.0}, 2.0}.solve(10.0, {100.0, 0.0, 1.0, 9.0}, line);
@@ -104,7 +104,7 @@ TEST_CASE("ProjectedCgSolver: with the whole load at the bounds, the approach li
 
 TEST_CASE("ProjectedCgSolver: steps in which all points reach their bounds preserve the load") {
   ProjectedCgSolver solver(std::vector<double>{0.5, 0.9, 0.1}, 1.5, std::vector<double>{1.0}, false);
-  // In each step, the gaps shift the load to the other of two points.
+  // In each step, the gaps shift the load from one of two points to the other.
   // The compliance of both points is small, so the optimal step length grows with each step.
   for (int count = 0; count < 100; ++count) {
     const bool odd = count % 2 == 1;

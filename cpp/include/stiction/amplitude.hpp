@@ -47,7 +47,7 @@ struct Scaling {
   double factor;
 };
 
-/// Return the scaling that gives a profile the amplitude `amplitude` [µm], or nothing if the profile is flat.
+/// Return the scaling that gives a profile the amplitude `amplitude` [µm], or std::nullopt if the profile is flat.
 std::optional<Scaling> find_scaling(double amplitude, AmplitudeMeasure measure, Values heights,
                                     const HeightStatistics& statistics);
 

@@ -9,14 +9,14 @@
 // If the edge of the map cuts a contact ellipse, the Hertzian pressure is integrated over the part inside the map.
 // The force and the area of a contact at the edge of the map never decrease when the approach grows.
 //
-// Without special rules, round-off would decide whether nearly level minima of the gap are contacts.
+// Round-off must not decide whether a nearly level minimum of the gap is a contact.
 // The following rules make the result independent of rotating, mirroring, swapping or shifting the pair of maps:
-// - Slopes and curvatures, as derivatives by the grid index [µm], count as zero up to 2^-26 of the gap range.
-// - If 2^-42 of the largest height is larger, it is the limit instead, because of round-off.
+// - Slopes and curvatures, as derivatives by the grid index [µm], count as zero up to 2^-26 of the range of the gap.
+// - The limit for zero slopes and curvatures is at least 2^-42 of the largest height, because of round-off.
 // - A minimum of the gap that is not curved upwards in every direction is a level valley or plateau.
 // - A level valley or plateau of the gap is not a contact, because it has no single lowest point.
-// - Grid points on a level plateau count as grid minima without a minimum of the spline.
-// - A surface that is not concave counts as a summit, even if it is flat in one or both directions.
+// - Grid points on a level plateau count as grid minima of the gap, although the spline of the gap has no minimum.
+// - A surface that is flat in one or both directions, but not concave, counts as a summit.
 // - A contact whose slope along the motion is zero does not oppose the motion.
 #pragma once
 
@@ -42,7 +42,7 @@ struct SurfacePair {
   Vector2 spacing;  ///< (Δx, Δy): distance between columns, and distance between rows [µm]
 };
 
-/// Contact normal at a point where two surfaces have the same slope p, and principal radii of the gap there.
+/// Contact normal, and principal radii of the gap, at a point where two surfaces have the same slope p.
 /// `xx, xy, yy` [1/µm] are the elements of the Hessian matrix of the gap at the contact point.
 /// With q = sqrt(1 + p²), the principal curvatures of the gap are the eigenvalues of the Hessian matrix, divided by q.
 /// The eigenvalues of the Hessian matrix are computed in the metric I + p pᵀ of the tangent plane.
@@ -76,7 +76,7 @@ struct ArealCandidates {
   std::vector<ArealCandidate> all;  ///< candidates in the order of their cells, row by row
   /// Gaps [µm] at grid points where no neighbouring grid point has a smaller gap, in ascending order.
   std::vector<double> grid_minima;
-  /// Gaps [µm] at grid minima without a minimum of the spline of the gap in their four adjacent cells.
+  /// Gaps [µm] at grid minima whose four adjacent cells contain no minimum of the spline of the gap.
   std::vector<double> unanswered;
   double deepest;   ///< largest approach [µm] at which all contacts are candidates
   Vector2 spacing;  ///< distance between columns, and between rows, of the maps [µm]
@@ -88,7 +88,7 @@ struct ArealCandidates {
 /// A height difference below 2^-46 of the largest height may be due to round-off of the heights or of the spline.
 inline constexpr double round_off_fraction = 0x1p-46;
 
-/// Relative tolerance within which a valley counts as level.
+/// Relative tolerance within which a valley of the gap counts as level.
 /// Derivatives by the grid index are height differences [µm], and count as zero up to 2^-26 of the gap range.
 /// With a tolerance of 2^-26, a minimum is located to about 1e-8 of a grid spacing.
 inline constexpr double level_fraction = 0x1p-26;
@@ -108,13 +108,13 @@ struct ArealSums : Sums {
   double lateral_adhesive = 0.0;    ///< -Σ A c·t [mN] per GPa of tau0
   double load_overlapping = 0.0;    ///< Σ F n_z [mN] of contacts whose ellipse overlaps another ellipse
   double load_at_edge = 0.0;        ///< Σ F n_z [mN] of contacts whose ellipse is cut by the edge of the map
-  /// Number of grid points whose gap is within the approach and not larger than the gap of any neighbour.
+  /// Number of grid points whose gap is at most the approach, and at most the gap of every neighbour.
   Index grid_minimum_count = 0;
-  /// Number of grid minima (see `grid_minimum_count`) without a minimum of the spline in their four adjacent cells.
+  /// Number of grid minima (see `grid_minimum_count`) whose four adjacent cells contain no minimum of the spline.
   Index unanswered_count = 0;
 };
 
-/// Name, unit and description of a member that `ArealSums` adds to `Sums`.
+/// Name, unit and description of a sum that `ArealSums` has in addition to the sums of `Sums`.
 struct ArealQuantity {
   std::string_view name;
   std::string_view unit;

@@ -3,7 +3,7 @@
 // No compiled function of the library takes, returns or contains an Eigen array that owns its memory.
 // Compiler flags such as -mavx and -fsanitize=address change how Eigen allocates and aligns memory.
 // The linker keeps one version of each Eigen function, even if program and library were compiled with different flags.
-// An Eigen array could therefore be freed by a function that does not match the function that allocated the array.
+// An Eigen array could therefore be freed by a function that does not match the function which allocated the array.
 #pragma once
 
 #include "stiction/values.hpp"

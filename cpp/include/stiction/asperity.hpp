@@ -20,7 +20,7 @@ struct Asperity {
   Vector3 normal;  ///< unit normal that points out of the solid, (n_x, 0, n_z)
   double radius;   ///< Radius R [µm], positive where the solid is convex and infinite where the curvature is zero.
 
-  /// Return the sphere centre relative to the point on the profile [µm]; not finite where the curvature is zero.
+  /// Return the sphere centre relative to the point on the profile [µm]. The centre is not finite at zero curvature.
   Vector3 centre_offset() const { return {-radius * normal.x(), 0.0, -radius * normal.z()}; }
 };
 
@@ -29,13 +29,13 @@ struct Asperity {
 /// For the upper surface, the normal and the radius have the opposite sign.
 Asperity asperity(double slope, double curvature, Side side);
 
-/// Osculating spheres at all points of a profile, with the derivatives of the spline of the profile.
+/// Osculating spheres at all points of a profile, and slope and curvature of the profile's spline at these points.
 struct Asperities {
   std::vector<double> slope;      ///< slopes f' [-]
   std::vector<double> curvature;  ///< curvatures f'' [1/µm]
   std::vector<Vector3> normal;    ///< unit normals that point out of the solid
   std::vector<double> radius;     ///< radii R of the osculating spheres [µm]
-  /// Sphere centres [µm] in coordinates in which point j of the profile is at (j Δx, 0, z_j).
+  /// Sphere centres [µm]. In their coordinates, point j of the profile is at (j Δx, 0, z_j).
   std::vector<Vector3> centre;
 };
 

@@ -4,7 +4,7 @@
 // Every type of asperity pair has the members `contact_at(approach)` and `is_separated(approach)`.
 // Positions are relative to the point of the lower surface at which the two asperities face each other.
 // The approach [µm] is the displacement of the upper surface towards the lower surface since first contact.
-// `gap` [µm] is the vertical distance between the two facing points when the surfaces first touch.
+// `gap` [µm] is the vertical distance between facing points of two asperities when the surfaces first touch.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -22,8 +22,8 @@ struct Radii {
   double major;  ///< the larger radius
   double minor;
 
-  /// Return the radius of the sphere that has the Gaussian curvature 1/(major · minor).
-  /// If both radii are equal, `mean` returns this radius without the round-off of a square root.
+  /// Return the geometric mean of both radii: the radius of a sphere with the same Gaussian curvature.
+  /// For equal radii, `mean` returns the radius itself, without the round-off of a square root.
   double mean() const { return major == minor ? major : std::sqrt(major) * std::sqrt(minor); }
 };
 
@@ -58,7 +58,7 @@ struct SpherePair {
 
   /// Compute the contact point at a given approach [µm].
   ContactPoint contact_at(double approach) const;
-  /// Return whether the overlap is zero or negative, without the division and square root that `contact_at` needs.
+  /// Return whether the overlap is zero or negative. Unlike `contact_at`, this needs no division and no square root.
   bool is_separated(double approach) const;
   /// Return the numerator of the overlap, (R_u + R_l)² - X² [µm²], with the sign of R_u R_l.
   double overlap_numerator(double penetration) const {
@@ -82,11 +82,11 @@ struct SphereOnFlat {
 /// Any type of asperity pair.
 using AsperityPair = std::variant<SpherePair, SphereOnFlat>;
 
-/// Return the asperity pair of two spheres, or nothing if spheres of the given curvatures cannot form a contact.
+/// Return the asperity pair of two spheres, or std::nullopt if spheres of the given curvatures cannot form a contact.
 /// The effective radius must be positive and finite, and the rule `allowed` must permit both curvatures.
 std::optional<SpherePair> sphere_pair(const Asperity& upper, const Asperity& lower, double gap, Curvature allowed);
 
-/// Return the asperity pair of a sphere and a flat, or nothing if the radius of the sphere is not positive and finite.
+/// Return the asperity pair of a sphere and a flat, or std::nullopt if the sphere's radius is not positive and finite.
 std::optional<SphereOnFlat> sphere_on_flat(const Asperity& sphere, Side sphere_side, const Asperity& flat, double gap);
 
 /// Return the principal radii of the relative curvature of an asperity pair.

@@ -19,11 +19,11 @@ namespace stiction {
 
 /// Method of contact detection.
 /// With `cell`, a grid point is in contact if the contact centre lies within half a spacing of the point (Eq. 5).
-/// With `gap_minimum`, each local minimum of the spline of the gap is one candidate, at every approach.
+/// With `gap_minimum`, each local minimum of the spline of the gap is one candidate, whatever the approach.
 /// The result of `gap_minimum` does not depend on the grid if the grid resolves the surfaces.
 enum class Detection { cell, gap_minimum };
 
-/// Return the detection method ("cell" or "gap-minimum") or the curvature rule ("convex" or "signed") of a name.
+/// Return the detection method named "cell" or "gap-minimum", or the curvature rule named "convex" or "signed".
 /// Throws std::invalid_argument for any other name of a method or rule.
 Detection detection(std::string_view name);
 Curvature curvature(std::string_view name);
@@ -43,7 +43,7 @@ struct Candidate {
   /// Position of the candidate on the lower surface [µm], in the frame of the lower profile.
   Vector3 position;
   /// Gap [µm] at the candidate, at zero approach.
-  /// The gap is negative at a minimum between grid points that is lower than the gap at all grid points.
+  /// The gap at a minimum between grid points is negative if it is below the gap at all grid points.
   double gap;
   Radii radii;                 ///< principal radii of the relative curvature
   AsperityPair asperity_pair;  ///< asperity pair, whose contact points are relative to `position`

@@ -21,7 +21,7 @@ struct ContactTable {
   Values weight;                  ///< weight of each pressure, proportional to the area with this pressure
 };
 
-/// Statistics of the contacts at one load. Each fraction is relative to the load on all contacts.
+/// Statistics of the contacts at one load. Load fractions refer to the load on all contacts.
 struct ContactStatistics {
   double fraction_on_largest = 0.0;        ///< load fraction on the contact with the largest force
   double fraction_at_edge = 0.0;           ///< load fraction on contacts that reach the edge of the grid
@@ -30,12 +30,13 @@ struct ContactStatistics {
   std::vector<double> pressure_quantiles;  ///< quantiles of the weighted contact pressure [GPa]
 };
 
-/// Compute the statistics of the contacts that are listed in `table`.
+/// Compute the statistics of the contacts in `table`.
 /// `probabilities` are the probabilities of the quantiles. Small contacts cover at most `max_small_cells` grid cells.
 /// Area quantiles are linearly interpolated between the sorted areas.
 /// Pressure quantiles are interpolated on the cumulative weight of the sorted pressures.
-/// Each pressure lies in the middle of the interval that its weight occupies on the axis of cumulative weight.
-/// Throws std::invalid_argument if lengths differ, or if there are no contacts or pressures.
+/// On the axis of cumulative weight, a pressure lies in the middle of the interval that its weight occupies.
+/// Throws std::invalid_argument if arrays of `table` differ in length, or if `table` has no contacts or no pressures.
+/// Also throws std::invalid_argument if `probabilities` are not in increasing order.
 ContactStatistics contact_statistics(const ContactTable& table, Values probabilities, double max_small_cells);
 
 /// Compute the statistics of the patches of a half-space contact on a grid.

@@ -11,7 +11,7 @@
 
 namespace stiction {
 
-/// Displacement [µm] of a few points of an area due to pressures [GPa] on the same points.
+/// Displacement [µm] of selected grid points of an area due to pressures [GPa] on the same points.
 /// The cost increases with the square of the number of points, but does not depend on the size of the grid.
 class DenseKernel {
  public:

@@ -38,12 +38,12 @@ struct IndexRange {
 };
 
 /// Return index ranges, in increasing order, that contain all grid points at which contact is possible.
-/// Contact is possible at points whose gap at first contact is at most `max_gap` [µm].
+/// Contact is possible at a point if its gap is at most `max_gap` [µm] when the profiles first touch.
 std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap);
 
 /// Return an upper bound [µm] on the distance by which the spline of the gap dips below the smallest gap on the grid.
 /// The bound is 3/8 of the largest second difference D of the gap between successive points.
-/// The factor 3/8 combines |f''| <= 3 D/Δx² for a natural spline with a dip of at most Δx²/8 max |f''| for a cubic.
+/// The factor 3/8 follows from |f''| <= 3 D/Δx² of a natural spline, and from a dip of at most Δx²/8 max |f''|.
 double max_dip(Values upper, Values lower);
 
 /// Return whether the points of a profile lie on a straight line to within round-off.
@@ -61,8 +61,8 @@ struct Derivatives {
 /// Mark the points at which contact is possible for at least one approach up to `max_approach` [µm].
 /// Contact is possible where both profiles are convex and the contact centre passes through the cell of the point.
 /// The function may also mark points at which contact is impossible.
-/// The contact centre moves in one direction during the approach, so testing both ends of its path is sufficient.
-/// The argument `zero` [µm] is the smallest gap on the grid, at which the approach is zero.
+/// During the approach, the contact centre moves in one direction, so testing both ends of its path is sufficient.
+/// `zero` [µm] is the smallest height difference (upper - lower) on the grid, at which the approach is zero.
 void mark_cells(Derivatives derivatives, const double* upper, const double* lower, std::size_t size, double zero,
                 double max_approach, double half_cell, unsigned char* marks);
 
@@ -73,7 +73,7 @@ void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks
 
 /// Return the position of the local minimum of the spline of the gap in an interval [0, spacing) [µm], if there is one.
 /// The inputs are the slopes [-] and curvatures [1/µm] of the gap at both ends of the interval.
-/// The slope of the gap is quadratic in the interval, and the minimum is its root at which the gap is convex.
+/// The slope of the gap is quadratic in the interval. The minimum is the root of the slope at which the gap is convex.
 /// A minimum at a grid point belongs to the interval on its right. The first point of a profile is never a minimum.
 std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
                                   double spacing, bool at_first_point = false);
@@ -83,7 +83,7 @@ inline std::optional<double> gap_minimum(double slope, double curvature, double 
   if (slope == 0.0 && curvature > 0.0 && !at_first_point) {
     return 0.0;
   }
-  // The slope of the gap at the distance t from the left end of the interval is slope + curvature t + half_rate t².
+  // At the distance t from the left end of the interval, the slope of the gap is slope + curvature t + half_rate t².
   const double half_rate = (next_curvature - curvature) / (2.0 * spacing);
   const double discriminant = curvature * curvature - 4.0 * half_rate * slope;
   if (!(discriminant > 0.0)) {

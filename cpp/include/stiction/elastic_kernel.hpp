@@ -50,7 +50,7 @@ class Workspace {
 /// On a free grid, the displacements of uniformly loaded cells are superposed on a grid of twice the size.
 /// Sources: Love 1929; Johnson, Contact Mechanics (1985), eq. 3.25.
 /// On lines, the displacement depends logarithmically on the distance from the load.
-/// The approximate inverse E*|k|/2 of the kernel is periodic even on a free grid, which halves the transform size.
+/// The approximate inverse E*|k|/2 of the kernel is periodic even on a free grid, so its transforms have half the size.
 /// A preconditioner may be periodic, because it affects the number of iterations but not the solution.
 class ElasticKernel {
  public:
@@ -73,7 +73,7 @@ class ElasticKernel {
   void displacement(std::span<const float> pressure, std::span<float> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool(), std::span<const std::size_t> rows = {}) const;
 
-  /// Multiply each Fourier component of `values` by the stiffness E*|k|/2.
+  /// Multiply each Fourier component of `values` by E*|k|/2, the stiffness of a half-space.
   void apply_stiffness(std::span<const float> values, std::span<float> result, Workspace& workspace,
                        const ThreadPool& pool = ThreadPool()) const;
 
@@ -127,7 +127,7 @@ class StiffnessKernel {
   void displacement(Values pressures, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 
-  /// Compute displacements in single precision. A uniform pressure is given the largest compliance of all wavelengths.
+  /// Compute displacements in single precision. Uniform pressure has the largest compliance of all wavelengths.
   void precondition(std::span<const float> pressures, std::span<float> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 

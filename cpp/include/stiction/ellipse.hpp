@@ -14,7 +14,7 @@ struct Ellipse {
 };
 
 /// Compute the contact ellipse of two elastic bodies.
-/// `longer` >= `shorter` > 0 are the principal relative radii of curvature [µm].
+/// `longer` >= `shorter` > 0 are the principal radii of the relative curvature [µm].
 /// Sources: Hertz 1882; Johnson, Contact Mechanics (1985), section 4.2.
 /// Let k = b/a and e² = 1 - k², and let K and E be the complete elliptic integrals of modulus e.
 /// Hertz theory gives shorter/longer = k² (K - E) / (E - k² K), a² = 2 d longer (K - E) / (e² K), F = 2/3 π a d E*/K.

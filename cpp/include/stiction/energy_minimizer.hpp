@@ -13,7 +13,7 @@
 
 namespace stiction {
 
-/// Attraction (w/ρ) exp(-gap/ρ) between opposite points of two surfaces, and the largest contact pressure.
+/// Attraction (w/ρ) exp(-gap/ρ) between opposite points of two surfaces, and upper limit of the contact pressure.
 struct AdhesiveInterface {
   double max_attraction = 0.0;                                ///< w/ρ [GPa], attraction of points in contact
   double range = 1.0;                                         ///< range ρ of the attraction [µm] > 0
@@ -42,7 +42,7 @@ struct MinimizationState {
   std::int64_t recomputation_number = 0;  ///< number of the step before which the net pressure was recomputed
 };
 
-/// Result of a step. The state changes only if the minimisation continues.
+/// Outcome of a step. The step changes the state only if the minimisation continues.
 enum class MinimizationOutcome {
   unfinished,
   balanced,   ///< the state is an equilibrium
@@ -58,10 +58,10 @@ struct AdhesiveStresses {
 
 /// Energy of a contact, minimised by preconditioned conjugate gradients (Polak-Ribière).
 ///
-/// The variables are the gap and, on free grids, the approach and the displacements around the grid.
-/// Around a free grid, the net pressure must vanish.
+/// The variables are the gap and, on free grids, the approach and the displacements of points around the grid.
+/// On free grids, the net pressure must vanish at all points around the grid.
 /// The energy is the sum of elastic energy, energy of the attraction and work of the load.
-/// Points in contact keep a gap of 0, unless their pressure leaves the interval from 0 to the hardness.
+/// Points in contact keep a gap of 0 as long as their pressure is between 0 and the hardness.
 /// The preconditioned residual is the displacement that the residual pressures cause.
 /// Each step ends at the first minimum of the energy along its direction.
 /// Only one thread at a time may use an EnergyMinimizer.
@@ -76,7 +76,7 @@ class EnergyMinimizer {
   /// `pressure` and `attraction` [GPa] are estimates of the solution, such as the solution at a similar load.
   MinimizationState start(Values pressure, Values attraction, double load, const ThreadPool& pool = ThreadPool());
 
-  /// Perform a step, unless the minimisation ends.
+  /// Perform one step, or return the reason why the minimisation ends.
   MinimizationOutcome step(MinimizationState& state, double load, const MinimizationLimits& limits,
                            const ThreadPool& pool = ThreadPool());
 

@@ -25,7 +25,7 @@ struct SolverMemory;
 /// Several threads may use the same HalfSpaceGrids at the same time.
 class HalfSpaceGrids {
  public:
-  /// Elastic kernels of one grid: one kernel for the points, and one kernel for the blocks of points.
+  /// Elastic kernels of one grid: a kernel between its points, and a kernel between blocks of its points.
   struct Kernels {
     std::shared_ptr<const ElasticKernel> points;
     std::shared_ptr<const ElasticKernel> blocks;  ///< kernels of the blocks of an area, see Preconditioner
@@ -73,15 +73,15 @@ class HalfSpaceGrids {
 };
 
 /// Solution of a contact problem: pressures [GPa], approach [µm], relative error and number of iterations.
-/// The comment on HalfSpaceSolver defines the relative error.
+/// The class HalfSpaceSolver defines the relative error.
 struct HalfSpaceSolution {
   std::vector<double> pressure;
   double approach = 0.0;
   double error = 0.0;
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
   /// Gap plus displacement [µm] at the points whose pressure bound is above 0.
-  /// `potential` is empty if all points have the same bound, or if the solver did not converge.
-  /// It is also empty if the solver ignored the displacements of points that cannot touch.
+  /// `potential` is empty if all points have the same pressure bound, or if the solver did not converge.
+  /// `potential` is also empty if the solver ignored the displacements of points that cannot touch.
   std::vector<double> potential;
 };
 
@@ -95,7 +95,7 @@ using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 /// The method is projected conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206; see ProjectedCgSolver).
 /// The iteration starts from the solution on the next coarser grid.
 /// The preconditioner is the operator E*|k|/2 on lines, and the class Preconditioner on areas.
-/// The error is the largest gap at a point under pressure or, if larger, the largest overlap, divided by `scale`.
+/// The relative error is the largest gap under pressure or the largest overlap, whichever is larger, over `scale`.
 class HalfSpaceSolver {
  public:
   /// Create the solver. `gap` [µm] must outlive the solver.
@@ -107,7 +107,7 @@ class HalfSpaceSolver {
                   const ThreadPool& pool = ThreadPool());
 
   /// Return the length [µm] by which gaps and overlaps are divided to obtain a relative error.
-  /// The length is the standard deviation of the gap or, if larger, of the displacements at `mean_pressure` [GPa].
+  /// The length is the larger of two standard deviations: of the gap and of the displacements at `mean_pressure` [GPa].
   double scale(double mean_pressure) const;
 
   const Grid& grid() const { return grids_->levels()[0]; }

@@ -19,7 +19,7 @@ struct HalfSpaceContact {
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
 };
 
-/// Quantity that the caller of `solve_contacts` specifies at each step.
+/// Quantity that the elements of `steps` in `solve_contacts` specify.
 enum class StepQuantity {
   mean_pressure,  ///< mean pressure on the grid [GPa]
   approach        ///< approach [µm]
@@ -30,13 +30,13 @@ using StepProgress = std::function<void(std::size_t, std::int64_t, double)>;
 
 /// Solve the contact at each step. Each step starts from the pressures of the step before it.
 /// The first step starts from the pressures `near`, which may be empty. The hardness [GPa] may be infinite.
-/// The calculation ends after a contact whose error exceeds the tolerance of the solver.
+/// The calculation ends after a contact whose relative error exceeds the tolerance of the solver.
 std::vector<HalfSpaceContact> solve_contacts(const HalfSpaceSolver& solver, StepQuantity quantity, Values steps,
                                              Values near, double hardness, const ThreadPool& pool = ThreadPool(),
                                              const StepProgress& progress = {});
 
 /// Elastic response of a fixed set of contact points to pressures that displace all points of the set equally.
-/// The pressures are scaled so that their sum is 1.
+/// The pressures of a response are scaled so that their sum is 1.
 struct FixedContactResponse {
   double compliance = 0.0;             ///< displacement of the points [µm/GPa]; 0 at full periodic contact
   double weighted_displacement = 0.0;  ///< Σ pressure · uniform-pressure displacement [µm/GPa]

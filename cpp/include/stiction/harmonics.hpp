@@ -27,12 +27,12 @@ struct HarmonicGrid {
 /// For a fractal dimension D as defined in the paper, H = 4 - 2D. For the usual definition of D, H = 2 - D.
 std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, double gamma, double length_scale);
 
-/// Write Σ_n weights(d, n) G_n(x_j) [µm], with the group profiles G_n, to row d, column j of `profiles`.
+/// Write the sum Σ_n weights(d, n) G_n(x_j) [µm] to row d and column j of `profiles`.
 /// `profiles` has one row for each row of `weights`, and one column for each grid point.
 /// `phases` [rad] has the shape (directions M, frequencies N). `weights` [µm] has the shape (any number of rows, N).
 /// Phases are stored as 64-bit fractions of a turn, so that any number of whole turns is removed exactly.
-/// An error in the phase of a harmonic comes only from the round-off of wavenumber times position in long double.
-/// Returns the height statistics of each row, so that the caller needs no further pass over the row.
+/// The only error in the phase of a harmonic is the round-off of wavenumber times position in long double.
+/// Returns the height statistics of each row, which saves the caller a further pass over the row.
 /// Throws std::invalid_argument if shapes do not match, values are out of range, or phases cannot be resolved.
 std::vector<HeightStatistics> harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid,
                                                 Eigen::Ref<Matrix> profiles,

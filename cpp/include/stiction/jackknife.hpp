@@ -3,7 +3,7 @@
 // Consider R repetitions of an ensemble at a load step at which their mean normal load is F.
 // Leaving out one repetition with the value v changes the mean value by dv = (mean(v) - v) / (R - 1).
 // Leaving out one repetition with the normal load n changes the mean load by dn = (F - n) / (R - 1).
-// With the slope s = d mean(v) / d mean(n), the mean value at the load F changes by the difference dv - s dn.
+// With the slope s = d mean(v) / d mean(n), leaving out a repetition changes the mean value at the load F by dv - s dn.
 // The logarithm of the mean value at the load F changes by ln(1 + dv / mean(v)) - s F / mean(v) ln(1 + dn / F).
 #pragma once
 

@@ -1,7 +1,7 @@
 // Contact laws: normal force and area of one asperity contact.
 //
 // Each law is a struct whose members are its parameters, its name and the list of its parameters.
-// A law computes the force, the area and the semi-axes of the contact patch from the overlap and the radii.
+// A law computes the force, the area and the semi-axes of a contact patch from the overlap and the principal radii.
 // To make a new law available everywhere, add its struct to the variant `Law`.
 #pragma once
 
@@ -52,8 +52,8 @@ struct HertzSphere {
 
 /// Two elastic parallel cylinders of width w: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2).
 /// The overlap of the undeformed circles is set equal to a²/R, where 2a is the contact width.
-/// In the limit a << R, the force at a given half-width a is exact: Johnson, Contact Mechanics (1985), section 4.2(c).
-/// The approach of distant points cannot define the overlap, because this approach is unbounded in a line contact.
+/// For a given half-width a << R, the force is exact: Johnson, Contact Mechanics (1985), section 4.2(c).
+/// The overlap is not the approach of distant points, because this approach is unbounded in a line contact.
 struct HertzCylinder {
   double effective_modulus;  ///< E* [GPa] > 0
   double width;              ///< width w [µm] > 0 along the cylinders
@@ -69,7 +69,7 @@ struct HertzCylinder {
 
 /// An elastic-perfectly plastic sphere: Jackson & Green, J. Tribol. 127 (2005) 343.
 /// Up to 1.9 times the critical interference, Hertz theory applies. Above, a fit to finite-element results applies.
-/// The fit covers contact radii up to 0.41 R. The load jumps by less than 1 % between Hertz theory and the fit.
+/// The fit is valid for contact radii up to 0.41 R. Between Hertz theory and the fit, the load jumps by less than 1 %.
 struct JacksonGreen {
   double effective_modulus;  ///< E* [GPa] > 0
   double yield_strength;     ///< yield strength S_y [GPa] of the softer body, above 0 and below E*/10
@@ -88,7 +88,7 @@ struct JacksonGreen {
 };
 
 /// Any contact law of the library.
-/// The call operator of a law takes an overlap [µm] > 0 and the principal radii [µm] > 0 of an asperity pair.
+/// The call operator of a law computes force and area for an overlap [µm] > 0 and principal radii [µm] > 0.
 /// All laws in this file use only the geometric mean of the two principal radii.
 using Law = std::variant<HertzSphere, HertzCylinder, JacksonGreen>;
 
@@ -99,7 +99,7 @@ Law law(std::string_view name, const std::map<std::string, double>& parameters);
 /// Check the parameters of a law. Throws std::invalid_argument with the name of a parameter that is out of range.
 void check(const Law& law);
 
-// The call operator is inline, because an out-of-line call for every contact costs 6 % of the total time.
+// The call operator of HertzSphere is inline, because out-of-line calls for all contacts cost 6 % of the total time.
 inline ForceArea HertzSphere::operator()(double overlap, const Radii& radii) const {
   const double radius = radii.mean();
   return {4.0 / 3.0 * effective_modulus * std::sqrt(radius * overlap) * overlap, std::numbers::pi * radius * overlap};

@@ -12,7 +12,7 @@
 
 namespace stiction {
 
-/// Function that is evaluated at several increasing arguments in one call.
+/// Function that returns its values at several increasing arguments in one call.
 using BatchFunction = std::function<std::vector<double>(Values)>;
 
 /// Find the argument at which a function first reaches each level from below.
@@ -21,7 +21,7 @@ using BatchFunction = std::function<std::vector<double>(Values)>;
 /// If the function jumps over the level, the result is the argument just after the jump.
 /// The search combines inverse quadratic interpolation and bisection.
 /// Source: Chandrupatla, Advances in Engineering Software 28 (1997) 145.
-/// Each call of the function serves all levels, because a call with many arguments takes hardly longer than with one.
+/// Each call evaluates the function for all levels, because many arguments take hardly longer than one argument.
 std::vector<double> find_crossings(const BatchFunction& function, Values levels, Values left, Values right,
                                    double tolerance);
 

@@ -25,13 +25,13 @@ struct Patches {
 /// On maps, a point is connected to its eight neighbours. On profiles, a point is connected to its two neighbours.
 /// On a periodic grid, points are also connected across the edges.
 /// A side of a cell under pressure is open if the adjacent cell is on the grid and carries no pressure.
-/// Each open side of a cell reduces its contact fraction by 0.19 on profiles, and by (π - 1 + ln 2)/24 on maps.
+/// Each open side reduces the fraction of the cell in contact: by 0.19 on profiles, by (π - 1 + ln 2)/24 on maps.
 /// Source: Yastrebov, Anciaux & Molinari, Tribology International 114 (2017) 161.
-/// The contact fraction of a cell is at least pressure/hardness, both in GPa. The hardness may be infinite.
+/// The fraction of a cell in contact is at least pressure/hardness, both in GPa. The hardness may be infinite.
 /// Throws std::invalid_argument if the number of pressures differs from the number of grid points.
 Patches patches_of(Values pressure, const Grid& grid, double hardness);
 
-/// View of a contact: the arrays of `Patches`, which the view does not own.
+/// View of a contact, with the arrays of its `Patches`. ContactView does not own the arrays.
 struct ContactView {
   std::span<const std::int64_t> points;
   Values pressure;
@@ -39,7 +39,7 @@ struct ContactView {
   std::span<const std::int32_t> patch;
 };
 
-/// Sums over each patch of several contacts. The contacts may be contacts of the same bodies at successive loads.
+/// Sums over each patch of several contacts, for example of the same bodies at successive loads.
 /// Patches are stored contact by contact, in one array.
 /// Sums that depend on the direction of motion are matrices of shape (directions, patches).
 struct PatchSums {
@@ -57,7 +57,7 @@ struct PatchSums {
 /// Compute the sums over the grid points of each patch of each contact.
 /// `slope_y` and `slope_x` are the slopes of the deformed interface on the grid; `slope_y` is empty for profiles.
 /// `cell_area` is the area of a grid cell [µm²]. Directions are horizontal unit vectors (x, y).
-/// Throws std::invalid_argument if lengths differ, or if a contact has no points.
+/// Throws std::invalid_argument if arrays that belong together differ in length, or if a contact has no points.
 /// Also throws std::invalid_argument if a point is not on the grid, or if a patch number is below 1.
 PatchSums patch_sums(std::span<const ContactView> contacts, Values slope_y, Values slope_x, double cell_area,
                      std::span<const std::array<double, 2>> directions);

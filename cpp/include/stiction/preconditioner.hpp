@@ -21,9 +21,9 @@ namespace stiction {
 /// A kernel K' on blocks of points describes the slowly varying displacement that distant points cause.
 /// Bilinear weights P interpolate between the blocks and the points.
 /// K is approximately S⁻¹ + P'K'P, and the inverse of this sum is S - SP'(K'⁻¹ + PSP')⁻¹PS. P' is the transpose of P.
-/// The blocks repeat periodically, so K'⁻¹ multiplies the displacement of wavenumber k by (E*) |k| / 2.
+/// The blocks repeat periodically, so K'⁻¹ multiplies a displacement with the wavenumber k by (E*) |k| / 2.
 /// E* is the effective modulus.
-/// K'⁻¹ + PSP' describes a half-space on an elastic foundation of stiffness PSu, with u = 1 at each free point.
+/// K'⁻¹ + PSP' describes a half-space on an elastic foundation, whose stiffness is PSu with u = 1 at each free point.
 /// A few conjugate-gradient steps solve the linear system of K'⁻¹ + PSP'.
 /// With the preconditioner, the number of solver iterations is almost independent of the grid size.
 class Preconditioner {
@@ -59,9 +59,9 @@ class Preconditioner {
  private:
   /// Apply the stencil at each free point to values on the grid, which continue periodically beyond the edges.
   void apply_stencil(std::span<const std::int32_t> free_points, std::span<const float> values, const ThreadPool& pool);
-  /// Sum the result of the stencil over each block, using the bilinear weights.
+  /// Multiply the result of the stencil by the bilinear weights, and sum the products over each block.
   void sum_on_blocks(std::span<const std::int32_t> free_points, std::vector<float>& sums, const ThreadPool& pool);
-  /// Compute the stiffness of the elastic foundation on each block.
+  /// Compute the stiffness of the elastic foundation for each block of points.
   void update_foundation(std::span<const std::int32_t> free_points, const ThreadPool& pool);
   /// Solve the linear system of the blocks for the loads on the blocks.
   void solve_blocks(Workspace& workspace, const ThreadPool& pool);

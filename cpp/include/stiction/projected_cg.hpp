@@ -16,24 +16,24 @@ namespace stiction {
 /// Projected conjugate gradients for  min 1/2 p·Kp + p·g0  subject to  0 <= p <= bound at each point, sum p = total.
 ///
 /// The kernel K maps pressures [GPa] to displacements [µm].
-/// The caller applies K, and a preconditioner M that approximates the inverse of K.
+/// The caller multiplies by K, and by a preconditioner M that approximates the inverse of K.
 /// `potential` is K p + g0, so the gap at approach δ is potential - δ.
 /// A point is free if its pressure lies strictly between the bounds.
-/// A point at a bound is free if its gap drives its pressure away from the bound.
+/// A point at a bound is also free if its gap drives its pressure away from the bound.
 /// One iteration of the solver consists of the following calls:
 ///
 /// restart(potential), then  update_free_points()  ->  residual()  ->  step(M residual, K previous step)
 /// ->  advance(K step)
 ///
-/// The preconditioner M acts on the whole grid, so the residual r is extended from free to constrained points.
-/// The best extension of r has the smallest r·Mr, which equals r·K⁻¹r on the free points.
+/// The preconditioner M acts on the whole grid, so the residual r is extended to points that are not free.
+/// The best extension minimises r·Mr. Its r·Mr equals r·K⁻¹r on the free points.
 /// On areas, r is extended by zeros, which give nearly the smallest r·Mr.
 /// On lines with short contacts, zeros would give a much larger r·Mr than the best extension.
 /// On lines, r is interpolated linearly between free points, and M r is multiplied by the transposed interpolation.
 /// The interpolation of r continues across the edges of the grid, because M is periodic.
 ///
 /// After each step, the pressures are within their bounds, and their sum is the total.
-/// Restoring the total load changes only pressures at free points, so points out of contact keep zero pressure.
+/// Only pressures at free points change to restore the total load, so points out of contact keep zero pressure.
 /// The energy never increases. Source of the method: Polonsky & Keer, Wear 231 (1999) 206.
 class ProjectedCgSolver {
  public:
@@ -44,7 +44,7 @@ class ProjectedCgSolver {
     std::vector<float> step;
   };
 
-  /// Start from the pressures `pressure` >= 0, which are first changed to satisfy the bounds and the total.
+  /// Start from given pressures >= 0, which are first changed so that they satisfy the bounds and the total load.
   /// `line` is true if the points form a line, so that neighbours in memory are neighbours on the grid.
   /// `bound` contains one pressure bound for all points, which may be infinite, or one bound for each point.
   /// If each point has its own bound, the memory of `bound` must outlive the solver, which does not copy it.
@@ -55,8 +55,8 @@ class ProjectedCgSolver {
   ProjectedCgSolver(std::vector<double> pressure, double total, Values bound, bool line, Arrays arrays = {});
 
   /// Determine the approach and the free points. Returns the largest |potential - approach| [µm] over the free points.
-  /// Points under pressure have a gap of at most the returned length.
-  /// Points whose pressure is below its bound have an overlap of at most the returned length.
+  /// The gap of a point under pressure is at most the returned length.
+  /// The overlap of a point whose pressure is below its bound is at most the returned length.
   /// Returns infinity if potentials are not finite. Throws std::logic_error before the first `restart`.
   double update_free_points(const ThreadPool& pool = ThreadPool());
 
@@ -78,11 +78,11 @@ class ProjectedCgSolver {
                               const ThreadPool& pool = ThreadPool());
 
   /// Move the pressures along the step to the minimum of the energy. `response` is K times the step.
-  /// `response` must stay valid until the next `update_free_points`. Returns whether the pressure changed.
+  /// `response` must stay valid until the next `update_free_points`. Returns whether any pressure changed.
   bool advance(std::span<const float> response, const ThreadPool& pool = ThreadPool());
 
   /// Scale the pressures that are below their bounds, so that the sum of all pressures equals the total load.
-  /// After the pressures have been scaled, the potential must be recomputed.
+  /// The caller must then recompute the potential.
   void rescale_to_total();
 
   /// Replace the potential by a recomputed potential, and restart with steepest descent.
@@ -127,7 +127,7 @@ class ProjectedCgSolver {
   double total_;
   std::array<double, block> uniform_bound_{};  // copies of the bound, if all points have the same bound
   Values bounds_;                              // bound of each point; empty if all points have the same bound
-  // Potentials are updated only in blocks marked with 1, which have a point with a pressure bound above 0.
+  // Potentials are updated only in blocks with the mark 1, in which a point has a pressure bound above 0.
   // The array `can_touch_` is empty if all points have the same bound.
   std::vector<std::uint8_t> can_touch_;
   bool line_;

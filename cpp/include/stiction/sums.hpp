@@ -20,7 +20,7 @@ namespace stiction {
 
 /// Rule that selects the contacts at which friction acts.
 /// `opposing` selects only contacts whose slope opposes the motion (as in the paper). `all` selects every contact.
-/// With `all`, contacts whose slope assists the motion push the upper surface forward.
+/// With `all`, friction also acts at contacts whose slope assists the motion and pushes the upper surface forward.
 enum class Sliding { opposing, all };
 
 /// Return the sliding rule named "opposing" or "all". Throws std::invalid_argument for any other name.
@@ -50,7 +50,7 @@ struct Sums {
   void add(const ContactPoint& contact_point, const Radii& radii, const ForceArea& force_area, const Vector2& direction,
            Sliding sliding, double spacing);
 
-  /// Add the contributions of a contact that do not depend on the direction. Returns the load F n_z [mN].
+  /// Add the contributions of a contact that are equal for all directions. Returns the load F n_z [mN].
   double add(const Vector3& normal, double overlap, double radius, const ForceArea& force_area, double spacing);
 };
 
@@ -87,7 +87,7 @@ Vector3 tangent(const Vector3& normal, const Vector2& direction);
 /// Return whether the normal force of a contact on the upper surface is directed against the motion.
 inline bool opposes(const Vector3& normal, const Vector2& direction) { return normal.head<2>().dot(direction) < 0.0; }
 
-/// Factors by which the normal force and the friction force of a sliding contact enter the loads.
+/// Factors of the normal force and of the friction force of a sliding contact in the normal and tangential loads.
 /// The normal force is multiplied by -s·n. The friction force is multiplied by t_z and by -s·t.
 struct SlidingFactors {
   double push;  ///< -s·n
@@ -116,7 +116,7 @@ inline Vector3 tangent(const Vector3& normal, const Vector2& direction) {
   const double along = normal.head<2>().dot(direction);
   const double across = normal.y() * direction.x() - normal.x() * direction.y();
   if (across == 0.0) {
-    // If the contact normal lies in the plane of s and z, as on profiles, the tangent needs no normalisation.
+    // If the contact normal lies in the plane of s and z, as on profiles, the tangent already has unit length.
     return {-normal.z() * direction.x(), -normal.z() * direction.y(), along};
   }
   // The tangent is computed from its components along the motion s, across s and upwards.

@@ -1,4 +1,4 @@
-// Indices and values of grid points: signed indices, double precision.
+// Types for indices and values of grid points: signed indices, double precision.
 //
 // Units: lengths in µm, forces in mN, pressures in GPa. 1 GPa = 1 mN/µm², so no conversion factors appear. Height is z.
 // A profile lies along x, at y = 0.
