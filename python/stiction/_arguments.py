@@ -13,7 +13,11 @@ from stiction._units import Quantity, quantity, quantity_in_core_units, short_re
 
 
 def split_values(value: Any) -> list[Any]:
-    """Return the items of an argument as one list, from a text with commas, a nested list or a single number."""
+    """Return the items of an argument as a flat list.
+
+    A text is split at its commas. A one-dimensional list is returned with its texts split. Any other argument is the
+    only item.
+    """
     if isinstance(value, str):
         return [item.strip() for item in value.split(",")]
     is_sequence = isinstance(value, (list, tuple, range, np.ndarray)) and _count_dimensions(value) == 1
@@ -24,7 +28,7 @@ def _count_dimensions(value: Any) -> int | None:
     try:
         return np.ndim(value)
     except ValueError:
-        # NumPy raises ValueError if the rows have different lengths.
+        # NumPy raises ValueError for a nested sequence whose rows have different lengths.
         return None
 
 
@@ -36,7 +40,7 @@ def _split_required_values(name: str, value: Any) -> list[Any]:
 
 
 def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
-    """Convert a text with a unit, or a number in core units, to a quantity of the given kind, such as "pressure"."""
+    """Parse a quantity of a kind such as "pressure", from a text with a unit or from a number in core units."""
     try:
         return (
             quantity(value, kind)
@@ -48,7 +52,7 @@ def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
 
 
 def parse_quantities(name: str, value: Any, kind: str) -> list[Quantity]:
-    """Parse one or more quantities of the given kind, such as "pressure"."""
+    """Parse one or more quantities of a kind such as "pressure" from an argument."""
     reject_decimal_commas(name, value)
     return [parse_quantity(name, item, kind) for item in _split_required_values(name, value)]
 
@@ -69,7 +73,7 @@ def reject_decimal_commas(name: str, value: Any) -> None:
 
 
 def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[float]:
-    """Parse one or more numbers.
+    """Parse one or more numbers from an argument: a number, a list, or a text with commas.
 
     If `integers` is true, commas always separate numbers: "0,90" is 0 and 90.
     """
@@ -93,7 +97,7 @@ MAX_INPUT_NUMBER = 1e6
 
 
 def parse_coefficients(name: str, value: Any) -> list[float]:
-    """Parse one or more numbers from 0 to `MAX_INPUT_NUMBER`."""
+    """Parse one or more nonnegative numbers up to `MAX_INPUT_NUMBER` from an argument."""
     numbers = parse_numbers(name, value)
     if any(item < 0 for item in numbers):
         raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=short_repr(value))
@@ -112,7 +116,7 @@ def validate_nonnegative_values(name: str, values: list[Any], argument: Any) -> 
 
 
 def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantity, bool]:
-    """Parse a load, and return it with True if the load is a pressure.
+    """Parse a load, and return it with a flag that is true if the load is a pressure instead of a force.
 
     Returns False if it is a force.
 

@@ -1,4 +1,4 @@
-"""Property whose value is cached without a lock."""
+"""`cached_property`: computed attribute of an object, cached without a lock."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 if not TYPE_CHECKING and sys.version_info < (3, 12):
 
     class cached_property(functools.cached_property):  # noqa: N801
-        """Property whose value is cached without a lock, like `functools.cached_property` in Python 3.12 and later.
+        """Cached property without the lock that `functools.cached_property` has in Python 3.11.
 
         In Python 3.11, `functools.cached_property` locks its class while it computes. Threads that use different
         objects then wait for each other, and a child process that is forked in the meantime waits forever.
         """
 
         def __get__(self, instance: Any, owner: type[Any] | None = None) -> Any:
-            """Return the cached value, computed on first use."""
+            """Return the cached value of the property, which the first call computes."""
             if instance is None:
                 return self
             name, values = self.attrname, instance.__dict__

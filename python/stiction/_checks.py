@@ -54,7 +54,7 @@ def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Flo
 
 
 def make_read_only(array: _Array) -> _Array:
-    """Make an array read-only, and return this array."""
+    """Make an array read-only in place, and return the array."""
     array.flags.writeable = False
     return array
 
@@ -139,7 +139,7 @@ def parse_path(name: str, value: Any) -> Path:
 
 
 def parse_names(name: str, value: Any) -> list[str]:
-    """Return the names in an argument, which is one name or a list of names."""
+    """Return the list of names in an argument that is a single name or a list of names."""
     names = [value] if isinstance(value, str) else value
     names = list(names) if isinstance(names, Iterable) and not isinstance(names, bytes) else [None]
     if not all(isinstance(item, str) for item in names):

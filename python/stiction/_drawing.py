@@ -23,7 +23,7 @@ MAX_LEGEND_LINES = 12
 
 
 def to_readable_height_unit(heights: Floats) -> tuple[Floats, str]:
-    """Convert heights (µm) that span less than 0.5 µm to nm, and return the heights with their unit."""
+    """Return heights (given in µm) with the unit of the result: "nm" if their range is below 0.5 µm, otherwise "µm"."""
     return (heights * 1000, "nm") if np.ptp(heights) < _MAX_HEIGHT_RANGE_IN_NANOMETRES else (heights, "µm")
 
 
@@ -36,7 +36,7 @@ def draw_profile(ax: Axes, x: Floats, heights: Floats) -> Axes:
 
 
 def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axes:
-    """Draw a height map, with y upwards and each grid point at the centre of its pixel."""
+    """Draw a height map with the y axis upwards. The centre of each pixel is at a grid point."""
     heights, unit = to_readable_height_unit(heights)
     image = ax.imshow(heights, extent=map_extent(heights.shape, spacing), origin="lower", cmap=HEIGHT_COLOUR_MAP)
     add_colour_bar(ax, image, f"height ({unit})")
@@ -45,7 +45,7 @@ def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axe
 
 
 def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats, Floats]) -> Axes:
-    """Draw the spectral density of all harmonics and its means in bins, on logarithmic axes."""
+    """Draw a power spectral density on logarithmic axes: all harmonics, and means in bins of the wave number."""
     wave_number, density = harmonics
     is_positive = density > 0
     if not is_positive.any():
@@ -54,7 +54,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
     bin_wave_number, bin_density = bins
     is_positive_bin = bin_density > 0
     ax.loglog(bin_wave_number[is_positive_bin], bin_density[is_positive_bin], color="0.1", linewidth=1.4)
-    # Harmonics whose density is only round-off would otherwise take up most of the density axis.
+    # Without a lower limit, spectral densities that are only round-off would take up most of the axis.
     max_density = float(density.max())
     ax.set_ylim(max(float(bin_density[is_positive_bin].min()) / 3, 1e-16 * max_density), 3 * max_density)
     ax.set_xlabel("wave number q (1/µm)")
@@ -66,7 +66,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
 
 
 def draw_scan_comparison(ax: Axes, comparison: Any) -> Axes:
-    """Draw the rms height common to two scans, and the rms noise of one scan, for each octave of wavelength."""
+    """Draw the rms height that two scans share, and the rms noise of a single scan, for each octave of wavelength."""
     for name, style, label in (("common", "o-", "in both"), ("noise", "s--", "noise of one")):
         heights = 1000 * getattr(comparison, name)
         ax.loglog(
@@ -101,18 +101,18 @@ def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any
 
 
 def map_extent(shape: tuple[int, ...], spacing: tuple[float, ...]) -> tuple[float, float, float, float]:
-    """Return the sides of a map (left, right, bottom, top; µm), half a cell beyond the outermost grid points."""
+    """Return the image edges of a map (left, right, bottom, top; µm), half a cell beyond the outermost grid points."""
     return 0.0, shape[1] * spacing[1], 0.0, shape[0] * spacing[0]
 
 
 def wave_number_to_wavelength(wave_number: Any) -> Any:
-    """Convert wave numbers to wavelengths or, by the same formula, wavelengths to wave numbers."""
+    """Convert wave numbers (1/µm) to wavelengths (µm), or wavelengths to wave numbers: both conversions are 2π/x."""
     with np.errstate(divide="ignore"):
         return 2 * math.pi / np.asarray(wave_number, dtype=np.float64)
 
 
 def add_colour_bar(ax: Axes, image: Any, text: str) -> None:
-    """Add a colour bar with the height of the map."""
+    """Add a colour bar with the label `text` to the right of an image."""
     figure = ax.get_figure()
     assert figure is not None
     figure.colorbar(image, cax=ax.inset_axes((1.03, 0.0, 0.04, 1.0)), label=text)
@@ -140,7 +140,7 @@ def set_log_tick_labels(axes: Axes) -> None:
 
 
 def draw_contact_area(ax: Axes, load: Floats, area: Floats) -> Axes:
-    """Draw the true contact area (µm²) over the normal load (mN)."""
+    """Draw the true contact area (µm²) against the normal load (mN)."""
     if not ((load > 0) & (area > 0)).any():
         raise ValueError("the surfaces do not touch at any load, so there is nothing to draw")
     ax.set(xscale="log", yscale="log", xlabel="normal load (mN)")
@@ -153,7 +153,7 @@ def draw_contact_area(ax: Axes, load: Floats, area: Floats) -> Axes:
 def draw_friction(
     ax: Axes, load: Floats, coefficient: Floats, *, mu0: ArrayLike, tau0: ArrayLike, direction: ArrayLike
 ) -> Axes:
-    """Draw friction coefficients over the load (mN): one curve for each combination of direction, mu0 and tau0."""
+    """Draw friction coefficients against the load (mN): one curve per combination of direction, mu0 and tau0."""
     if not np.isfinite(coefficient).any():
         raise ValueError("no load has a friction coefficient, so there is nothing to draw")
     ax.set(xscale="log", xlabel="normal load (mN)")
@@ -220,7 +220,7 @@ def _draw_profile_contact_pressure(ax: Axes, pressure: Floats, heights: Floats, 
 def draw_onset(
     ax: Axes, load: Floats, displacement: Floats, slipped_area: Floats, *, sliding_load: float, stiffness: float
 ) -> Axes:
-    """Draw the tangential load over the displacement or, if displacements are infinite, over the slipped area."""
+    """Draw the tangential load against displacement or, if displacements are infinite, against slipped area."""
     has_displacement = bool(np.isfinite(displacement).all())
     abscissa = displacement if has_displacement else slipped_area
     axis_label = "slipped fraction of the area"

@@ -7,7 +7,7 @@ from typing import Any
 
 
 class _PlaceholderValues(dict[str, Any]):
-    """Texts that replace the placeholders in a message.
+    """Texts that replace the placeholders of an error message, keyed by placeholder.
 
     Any other placeholder is replaced by its argument's name.
     """
@@ -32,11 +32,11 @@ class ArgumentError(ValueError):
 
     @classmethod
     def for_argument(cls, name: str, reason: str) -> ArgumentError:
-        """Create an error whose message is the name of an argument, followed by a reason."""
+        """Create an error whose message is an argument name followed by `reason`, such as "must be positive"."""
         return cls(f"{{{name}}} {{reason}}", reason=reason)
 
     def translated_message(self, translate: Callable[[str], str]) -> str:
-        """Return the message with translated argument names, such as the names of command-line options."""
+        """Return the message with other argument names, for example the names of command-line options."""
         return self._message.format_map(_PlaceholderValues(self._values, translate))
 
 

@@ -1,4 +1,4 @@
-"""Estimates: values with 95 % intervals, which determine how many digits are printed."""
+"""Estimates: numbers with 95 % intervals, which determine how many digits of the numbers are printed."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from stiction._number_format import MAX_WITHOUT_EXPONENT, MIN_WITHOUT_EXPONENT, 
 # Maximum number of significant digits of a printed number, even if its interval is very narrow.
 MAX_SIGNIFICANT_DIGITS = 4
 INFINITE_LIMIT_TEXT = "\N{INFINITY}"
-# Ratio of an upper limit to the value above which the limit is printed with one digit.
+# An upper limit above this multiple of the value is printed with one significant digit.
 MAX_FULL_PRECISION_LIMIT_RATIO = 100.0
-# These codes are stored instead of the number of decimals of an upper limit.
+# Codes that replace the number of decimals of an upper limit in the result of `count_estimate_decimals`.
 DECIMALS_CODE_OF_NO_INTERVAL = -128
 DECIMALS_CODE_OF_EXPONENT = -127
-# Maximum number of decimals, and maximum number of digits before the decimal point that rounding replaces by 0.
+# Rounding keeps at most this number of decimals, and zeroes at most this number of digits before the decimal point.
 MAX_DECIMALS = 100
 
 EstimateKind = Literal["", "mean", "combined", "prediction", "conditional", "fit", "range"]
@@ -44,7 +44,7 @@ class Interval(NamedTuple):
     upper: float
 
     def extended_to(self, *others: tuple[float, float]) -> Interval:
-        """Return the smallest interval that includes this interval and all others."""
+        """Return the smallest interval that includes this interval and all given intervals."""
         return Interval(*extend_intervals(self, *others).tolist()) if others else self
 
     def __str__(self) -> str:
@@ -60,7 +60,7 @@ class Interval(NamedTuple):
 
 @dataclass(frozen=True)
 class Estimate:
-    """Value with the limits of its 95 % interval, and with its name, unit and kind of interval.
+    """Estimated quantity: value, limits of the 95 % interval, name, unit, and kind of the interval.
 
     ``str(estimate)`` is ``estimate.text(1)``, as in "0.16 [0.10, 0.22]".
 
@@ -127,7 +127,7 @@ class Estimate:
         return replace(self, value=self.value / factor, lower=self.lower / factor, upper=self.upper / factor, unit=unit)
 
     def in_prefixed_unit(self, unit: str | None = None) -> Self:
-        """Return the estimate in the prefixed unit, such as nm or mm, in which its value has the fewest zeros.
+        """Return the estimate with a prefixed unit, such as nm or mm, that suits the size of its value.
 
         Parameters
         ----------
@@ -138,7 +138,7 @@ class Estimate:
         return self.in_unit(name, factor)
 
     def to_record(self, at: Mapping[str, Any] | None = None) -> dict[str, Any]:
-        """Return the estimate as a JSON object, with the coordinates in `at`, such as the load."""
+        """Return the estimate as a JSON object that includes the coordinates `at` of the estimate, such as the load."""
         return {
             "name": self.name, "value": float(self.value), "unit": to_file_unit(self.unit),
             "lower": float(self.lower), "upper": float(self.upper), "kind": self.kind, "at": dict(at or {}),
@@ -182,7 +182,7 @@ class Estimate:
 
 
 def to_file_unit(unit: str) -> str:
-    """Return the name of a unit in JSON and CSV files, such as "um2" for µm².
+    """Return the spelling of a unit in JSON and CSV files, such as "um2" for "um^2".
 
     Returns "1" for no unit.
     """
@@ -196,7 +196,7 @@ def estimate_column_titles(title: str, unit: str = "1") -> dict[str, str]:
 
 
 def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
-    """Widen intervals so that they include other intervals.
+    """Widen intervals so that each interval includes the corresponding intervals of all other arrays.
 
     Parameters
     ----------
@@ -219,11 +219,12 @@ def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
 def count_estimate_decimals(
     value: Floats, lower: Floats, upper: Floats, *, digits: int
 ) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
-    """Return two arrays with the decimals to print: for each value with its lower limit, and for each upper limit.
+    """Return the numbers of decimals with which estimates are printed, in two arrays.
 
-    The number of decimals is negative for numbers that are rounded to tens or more. The second array contains
-    `DECIMALS_CODE_OF_NO_INTERVAL` if the text contains no interval, and `DECIMALS_CODE_OF_EXPONENT` for a very large
-    limit. `digits` is explained at `Estimate.text`.
+    The first array is for values and lower limits, the second array for upper limits. The number of decimals is
+    negative for numbers that are rounded to tens or more. The second array contains `DECIMALS_CODE_OF_NO_INTERVAL` if
+    the text contains no interval, and `DECIMALS_CODE_OF_EXPONENT` for a very large limit. `digits` is explained at
+    `Estimate.text`.
     """
     has_interval = ~(np.isnan(lower) | np.isnan(upper))
     with np.errstate(invalid="ignore", over="ignore"):
@@ -245,7 +246,11 @@ def count_estimate_decimals(
 
 
 def _count_interval_decimals(value: Floats, lower: Floats, upper: Floats, digits: int) -> Floats:
-    """Return how many decimals give the half width `digits` digits, within 2 to 4 digits for the value."""
+    """Return the number of decimals that shows `digits` significant digits of an interval's half width.
+
+    Unless the value is 0, the number of decimals is limited so that the value has 2 to 4 significant digits. For an
+    interval without width, the value has 4 significant digits.
+    """
     first_decimals = -_find_decimal_exponents(value)
     max_decimals = first_decimals + MAX_SIGNIFICANT_DIGITS - 1
     interval_decimals = digits - 1 - _find_decimal_exponents((upper - lower) / 2)
@@ -254,19 +259,19 @@ def _count_interval_decimals(value: Floats, lower: Floats, upper: Floats, digits
 
 
 def _count_significant_decimals(value: Floats, digits: int) -> Floats:
-    """Return the number of decimals of values rounded to `digits` significant digits, without trailing zeros."""
+    """Return the decimals that a number needs when rounded to `digits` significant digits, without trailing zeros."""
     exponents = _find_decimal_exponents(value)
     with np.errstate(invalid="ignore", over="ignore"):
-        # Each number becomes an integer of its significant digits: 0.01234 with four digits becomes 1234.
+        # Each number is scaled to an integer with `digits` digits: with four digits, 0.01234 becomes 1234.
         digit_values = np.round(np.abs(value) / 10.0 ** (exponents - digits + 1))
         quotients = [digit_values / 10**count for count in range(1, digits + 1)]
-        # Quotients find trailing zeros ten times as fast as remainders.
+        # Trailing zeros are found from quotients, because remainders would take ten times as long.
         trailing_zeros = sum((quotient - np.floor(quotient) == 0).astype(float) for quotient in quotients)
     return np.asarray(np.where(value == 0, 0.0, digits - 1 - exponents - trailing_zeros))
 
 
 def _find_decimal_exponents(value: Floats) -> Floats:
-    """Return the exponent of each value in scientific notation: 0 for 0, NaN for NaN, and infinity for infinity."""
+    """Return the exponent of each number in scientific notation, such as 2 for 123. The exponent of 0 is taken as 0."""
     size = np.abs(value)
     with np.errstate(divide="ignore"):
         exponents = np.where(size == 0, 0.0, np.floor(np.log10(size)))

@@ -25,12 +25,12 @@ The name contains the machine, the process id, the run and a random number.
 
 # Age (s) above which a partial file from another machine counts as abandoned.
 MAX_PARTIAL_FILE_AGE = 3600.0
-# Time (s) between two refreshes of a directory claim. It is short, so that a claim survives a few failed refreshes.
+# Time (s) between two refreshes of a directory claim, so short that a claim survives a few failed refreshes.
 CLAIM_REFRESH_INTERVAL = 300.0
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
-# This random text identifies the run, because the operating system reuses process numbers.
+# Random text that identifies a run. A process number is not enough, because the operating system reuses it.
 _PROCESS_TOKEN = secrets.token_hex(4)
-# Number of bytes at each end of a file in which a reader searches for the bytes that mark the file type.
+# A mark that shows the type of a file is searched for in this number of bytes at each end of the file.
 _NUM_SEARCHED_BYTES = 2**16
 
 
@@ -50,7 +50,7 @@ def create_file_atomically(path: Path, error_type: type[ValueError]) -> Iterator
 
 
 def check_creatable(path: Path, error_type: type[ValueError]) -> None:
-    """Raise `error_type` if a path exists, even as a dangling link, or if its parent directory does not exist."""
+    """Raise `error_type` if a path exists (even as a dangling link), or if the parent directory does not exist."""
     with _translate_os_errors(path, error_type):
         if os.path.lexists(path):
             raise FileExistsError
@@ -72,7 +72,7 @@ def replace_file_atomically(path: Path, mark: bytes, error_type: type[ValueError
 
 
 def check_replaceable(path: Path, mark: bytes, error_type: type[ValueError]) -> None:
-    """Raise `error_type` if a path exists and is not a file that contains `mark`.
+    """Raise `error_type` if a path exists, unless it is a file with the bytes `mark`, which stiction writes.
 
     A dangling link counts as existing.
     """
@@ -99,14 +99,14 @@ def create_atomically(path: Path, content: bytes) -> None:
     except FileExistsError:
         raise
     except OSError:
-        # The error occurs if the disk is full, or if the file system has no hard links.
+        # Creating the file fails if the disk is full, or if the file system has no hard links.
         if os.path.lexists(path):
             raise
         write_atomically(path, content)
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Write a file, which appears, or replaces an older file, only when it is complete."""
+    """Write a file under a temporary name, then move the complete file to `path`, even if `path` exists."""
     with _open_partial_file(path, Path.replace) as partial_path:
         partial_path.write_bytes(content)
 
@@ -134,7 +134,7 @@ def new_partial_file_name() -> str:
 
 
 class DirectoryClaim:
-    """Claim of a run on a directory: a partial file that exists until the `with` block ends.
+    """Claim with which one run reserves a directory: a partial file that exists until the `with` block ends.
 
     A thread refreshes the file, because other machines ignore a claim that is older than `MAX_PARTIAL_FILE_AGE`. If the
     process is killed, the file stays and becomes stale, so that it does not lock the directory.
@@ -171,9 +171,9 @@ class DirectoryClaim:
                 self.file.touch()
 
     def find_other_claim(self) -> Path | None:
-        """Return the claim file of another active run in the directory.
+        """Return the partial file with which another active run claims the directory.
 
-        Returns None if no other run is active there.
+        Returns None if no other run is active in the directory.
 
         If two runs acquire their claims first and call this function afterwards, at least one of them finds the other.
         """
@@ -196,7 +196,7 @@ def remove_stale_partial_files(directory: Path) -> None:
 
 
 def _scan_partial_files(directory: Path) -> Iterator[tuple[os.DirEntry[str], bool]]:
-    """Yield each partial file in a directory, with True if the process that wrote the file is dead."""
+    """Yield each partial file in a directory, with True if the file is stale (process dead, or file too old)."""
     with os.scandir(directory) as iterator:
         entries = list(iterator)
     for entry in entries:
@@ -245,7 +245,7 @@ def contains_file_mark(path: Path, mark: bytes) -> bool:
 
 
 class UnreadableFileError(Exception):
-    """Error raised if a path is not a regular file, or if the file is too long or starts with unexpected bytes."""
+    """Error raised for a path that is no regular file, or for a file that is too long or has unexpected first bytes."""
 
 
 def check_is_file(path: Path) -> None:
@@ -279,5 +279,5 @@ def _open_nonblocking(path: str, flags: int) -> int:
 
 
 def describe_os_error(error: OSError) -> str:
-    """Return the reason for a system error, without the file name, which may be internal to stiction."""
+    """Return the reason for an `OSError`, without the file name, because the file may be internal to stiction."""
     return os.strerror(error.errno) if error.errno else str(error)

@@ -24,12 +24,12 @@ _PREFIXED_UNITS = {
 _NO_PREFIXES = ((0.0, 1.0, ""),)
 
 
-# Numbers outside these limits may be printed with an exponent.
+# Lower and upper limit of the numbers that are always printed without an exponent.
 MIN_WITHOUT_EXPONENT, MAX_WITHOUT_EXPONENT = 1e-6, 1e6
 
 
 def format_significant(value: float, digits: int = 2) -> str:
-    """Format a number with `digits` significant digits, with an exponent below 1e-6 and from 1e6 upwards."""
+    """Format a number with `digits` significant digits; use an exponent below 1e-6 and from 1e6 upwards."""
     if math.isnan(value):
         return "none"
     text = f"{value:.{digits}g}"
@@ -40,7 +40,7 @@ def format_significant(value: float, digits: int = 2) -> str:
 
 
 class NumberFormat(NamedTuple):
-    """Format for numbers from a certain size upwards: divisor, number of digits, and text around the digits.
+    """Format of numbers whose absolute value is at least `minimum`: divisor, significant digits, and text.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class NumberFormat(NamedTuple):
     digits: int
 
     def format(self, value: float) -> str:
-        """Return a number as text in this format."""
+        """Format a number: divide it by `factor`, round it, and insert it into `text`."""
         number_text = format_significant(value / self.factor, self.digits)
         return "none" if math.isnan(value) else self.text.replace("{}", number_text)
 
@@ -112,7 +112,7 @@ def format_percent(fraction: float) -> str:
 
 
 def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
-    """Choose the unit in which a number has the fewest zeros, and return the conversion factor with the unit.
+    """Choose a prefixed unit, such as nm or mm, that suits the size of a number; return conversion factor and unit.
 
     Parameters
     ----------
@@ -126,13 +126,13 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
 
 
 def _choose_by_size(value: float, items: Sequence[_Item]) -> _Item:
-    """Return the first item whose lower limit does not exceed the size of a number; 0 and NaN have the size 1."""
+    """Return the first item whose minimum `item[0]` the absolute value of a number reaches; use 1 for 0 and NaN."""
     size = 1.0 if value == 0 or math.isnan(value) else abs(value)
     return next(item for item in items if size >= MIN_NUMBER_ROUNDED_TO_ONE * item[0])
 
 
 def format_time(seconds: float) -> str:
-    """Format a time (s) in the largest unit in which it is at least 1, as in "1.5 h"."""
+    """Format a time (s) in the largest unit that gives a number of at least 1, as in "1.5 h"."""
     factor, unit = next((item for item in _TIME_UNITS if seconds >= item[0]), _TIME_UNITS[-1])
     return f"{seconds / factor:.3g} {unit}"
 

@@ -20,7 +20,7 @@ class LazyPattern:
 
     @cached_property
     def compiled_pattern(self) -> re.Pattern[str]:
-        """Compiled pattern, which is compiled when this property is first used."""
+        """Regular expression object, compiled on first access."""
         return re.compile(self.pattern, self.flags)
 
     def match(self, text: str) -> re.Match[str] | None:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 NOTEBOOK_IMAGE_DPI = 110  # dots per inch
 NOTEBOOK_IMAGE_SIZE = (4.6, 3.2)  # inches
-# Maximum width (inches) of a figure for one column, which gets a higher resolution in a notebook.
+# A figure of at most this width (inches) fills one column, and gets a higher resolution in a notebook.
 MAX_ONE_COLUMN_WIDTH = 4.0
 # Level 4 of zlib takes half the time of level 6, and makes images of maps 10 % larger.
 PNG_COMPRESSION = 4
@@ -30,10 +30,10 @@ _SMALLER_UNITS = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")
 
 
 class TextReprMixin:
-    """Mixin for dataclasses whose text representation lists all numbers, and the shape and range of each array."""
+    """Mixin that displays a dataclass as text: each number, and the shape and range of each array."""
 
     def __repr__(self) -> str:
-        """Return one line per quantity of the object, with its unit."""
+        """Return the class name, followed by one line per field of the object: name, and value with unit."""
         rows = [(name, text) for name, text in _format_fields(self) if text]
         width = max((len(name) for name, _ in rows), default=0)
         return "\n".join([type(self).__name__, *(f"  {name:<{width}}  {text}" for name, text in rows)])
@@ -67,7 +67,10 @@ def field_units(cls: Any) -> dict[str, str]:
 
 
 def format_number_and_unit(value: float, unit: str) -> tuple[str, str]:
-    """Return a number as text with four digits, with the unit in which it has the fewest zeros."""
+    """Return a number as text with four significant digits, followed by its unit.
+
+    A nonzero number below 0.1 µm, 0.1 GPa or 0.1 mN is converted to nm, MPa or µN.
+    """
     if unit in _SMALLER_UNITS and 0 < abs(value) < 0.1:
         factor, unit = _SMALLER_UNITS[unit]
         value = value / factor
@@ -77,12 +80,12 @@ def format_number_and_unit(value: float, unit: str) -> tuple[str, str]:
 
 
 def format_with_unit(value: float, unit: str) -> str:
-    """Return a number with its unit as text with four digits."""
+    """Format a number with four significant digits and its unit; convert numbers below 0.1 to a smaller unit."""
     return " ".join(format_number_and_unit(float(value), unit)).strip()
 
 
 def format_range(values: Any, unit: str = "") -> str:
-    """Return the range of the finite numbers in an array, and how many numbers are NaN or infinite, as text."""
+    """Return as text the range of the finite numbers in an array, and the count of NaN and infinite numbers."""
     finite_values = values[np.isfinite(values)] if values.dtype.kind == "f" else values
     if not finite_values.size:
         return "none"
@@ -164,7 +167,7 @@ def describe_axes(figure: Any) -> str:
 
 
 def render_png(figure: Any) -> bytes:
-    """Return a Matplotlib figure as PNG, with a higher resolution for one-column figures."""
+    """Return a Matplotlib figure as PNG bytes, with 1.5 times the resolution if the figure is one column wide."""
     buffer = io.BytesIO()
     is_narrow = figure.get_size_inches()[0] <= MAX_ONE_COLUMN_WIDTH
     write_png(figure, buffer, dpi=1.5 * NOTEBOOK_IMAGE_DPI if is_narrow else NOTEBOOK_IMAGE_DPI)

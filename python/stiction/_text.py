@@ -41,13 +41,13 @@ def printable_path(path: str | os.PathLike[str]) -> str:
 
 
 def format_bytes(size: float) -> str:
-    """Format a number of bytes with three digits and a prefixed unit, as in "23 kB"."""
+    """Format a number of bytes with three significant digits in kB, MB, GB or TB, as in "23 kB"."""
     power = min(4, max(1, int(math.log(max(size, 1), 1000))))
     return f"{size / 1000**power:.3g} {' kMGT'[power]}B"
 
 
 def format_duration(seconds: float) -> str:
-    """Format a duration (s) in the unit that suits it, as in "1.5 min"."""
+    """Format a duration (s) in s, min, hours or days, as in "1.5 min"."""
     for limit, unit in ((60, "s"), (60, "min"), (48, "hours")):
         if seconds < limit:
             return f"{seconds:.2g} {unit}"

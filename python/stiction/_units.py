@@ -45,7 +45,7 @@ def unit_names(kind: str) -> tuple[str, ...]:
 
 
 class Quantity(float):
-    """Number in core units (µm, GPa, mN) that keeps the text from which it was parsed.
+    """Number in core units (µm, GPa, mN), stored with the text from which the number was parsed.
 
     Comparisons ignore the text.
     """
@@ -102,7 +102,7 @@ def quantity(text: object, kind: str) -> Quantity:
 
 
 def quantity_in_core_units(value: float, kind: str) -> Quantity:
-    """Return a number in core units as a quantity of the given kind.
+    """Convert a number in core units to a `Quantity` of a kind such as "pressure".
 
     Raises a `ValueError` if the number is implausibly small or large.
     """
@@ -124,7 +124,7 @@ def _check_magnitude(value: Quantity, kind: str, text: str) -> Quantity:
 
 
 def to_core_units(name: str, value: Any, kind: str) -> Any:
-    """Convert texts with units to numbers in core units.
+    """Convert texts with units, alone or in lists, to numbers in core units.
 
     Numbers are returned unchanged.
 
@@ -151,7 +151,7 @@ def loads_to_core_units(name: str, value: Any, area: float) -> Any:
         return value
     for kind, factor in (("force", 1.0), ("pressure", area)):
         try:
-            # Twelve digits drop the round-off of the unit conversion.
+            # Rounding to twelve digits removes the round-off of the unit conversion.
             return float(f"{quantity(value, kind) * factor:.12g}")
         except ValueError:
             continue
@@ -175,7 +175,7 @@ def exact_quantity_text(value: float, unit: str) -> str:
 
 
 def exact_quantity(value: float, unit: str) -> Quantity:
-    """Return a number in core units as a quantity, even if it is outside the range that `quantity` accepts."""
+    """Convert a number in core units to a `Quantity`, without the limits on the number that `quantity` checks."""
     return Quantity(value, exact_quantity_text(value, unit))
 
 

@@ -57,7 +57,7 @@ from stiction.views.shear import shear_csv
 if TYPE_CHECKING:
     import xarray as xr
 
-STORED_STEPS_VERSION = 2  # increases if a shear test consists of other steps
+STORED_STEPS_VERSION = 2  # increased whenever the computed steps of a shear test change
 
 ShearLevel = Literal["mean", "line", "plane", "none"]
 
@@ -320,7 +320,7 @@ def export_shear_test(
 
 
 def _check_closure(test: xr.Dataset) -> None:
-    """Raise a `ValueError` if an earlier version stored a shear test, without the gap and the closure."""
+    """Raise a `ValueError` if a shear test was stored by an earlier version, without its gap and its closure."""
     if "gap" not in test:
         raise ArgumentError(
             "the shear test was stored by an earlier version, without its gap and its closure; repeat the test with "
@@ -340,7 +340,7 @@ def _create_directory(directory: Path) -> None:
 
 
 def _warn_about_other_steps(directory: Path, key: str) -> None:
-    """Warn if a directory contains steps of an interrupted shear test that the test with this key does not use."""
+    """Warn about stored steps of an interrupted shear test with other inputs, another version or another machine."""
     names = [printable_path(path) for path in find_steps_with_other_keys(directory, 0, key)]
     if names:
         warnings.warn(
@@ -353,7 +353,7 @@ def _warn_about_other_steps(directory: Path, key: str) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _ShearTestSetup:
-    """Shear test to compute, together with the further shear tests from which its intervals are computed."""
+    """Setup of a shear test: the test itself, and the varied inputs and the strips from which intervals follow."""
 
     box: ShearBox
     offsets: NDArray[np.int64]
@@ -407,7 +407,7 @@ def _compute_shear_tests(
     num_steps = len(offsets)
 
     def solve(index: int) -> tuple[list[StepResult], xr.Dataset]:
-        """Solve one of the shear tests and its closure, and report the progress of all shear tests together."""
+        """Compute the shear curve and the closure of one test, and report the progress over all tests."""
 
         def show_total_progress(num_finished: int, _: int) -> None:
             if progress is not None:
@@ -442,7 +442,7 @@ def _compute_shear_tests(
 
 
 def _shears_before_sliding(box: ShearBox) -> int:
-    """Return 1 if asperities of the given hardness shear before they slide (slip lines, central H/k), and 0 if not."""
+    """Return 1 if asperities shear before they slide, by slip-line theory at the central H/k, and 0 otherwise."""
     law = FrictionLaw(box.law.mu0, box.law.tau0, CENTRAL_SHEAR_RATIO, uses_slip_lines=True)
     return int(box.hardness is not None and bool(law.is_stronger_than_body(box.hardness)))
 
@@ -472,7 +472,7 @@ def _describe_registration(registration: Registration) -> dict[str, float]:
 
 
 def _describe_inputs(setup: _ShearTestSetup) -> str:
-    """Return a text that identifies the inputs of a shear test: different inputs give different texts."""
+    """Return all inputs of a shear test as one text, which identifies the test."""
     box = setup.box
     checksums = [
         hashlib.sha256(face.heights_with_nan.tobytes()).hexdigest() + repr((face.heights.shape, face.spacing))
@@ -493,7 +493,7 @@ def _open_stored_test(directory: Path, key: str, *, replace: bool) -> xr.Dataset
     Returns None if there is no test that can be reused.
     """
     test = load_shear_test(directory)
-    if test is None or (replace and "gap" not in test):  # earlier versions stored neither the gap nor the closure
+    if test is None or (replace and "gap" not in test):  # old files have no gap and no closure
         return None
     if test.attrs.get("key") == key:
         return test
@@ -509,7 +509,7 @@ def _build_shear_box(
     upper: Any, lower: Any, contact: MeasuredPair, *, load: Any, direction: Any, normal_stiffness: Any, boundary: Any,
     tilt: Any, level: Any, register: Any, tolerance: float,
 ) -> tuple[ShearBox, Registration | None]:  # fmt: skip
-    """Check the arguments of a shear test, and return the prepared test and the registration of its faces."""
+    """Check the arguments of a shear test, and return the test setup with the registration of the two faces."""
     is_profile = isinstance(lower, Profile)
     if isinstance(upper, Profile) != is_profile:
         raise ValueError(

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from stiction.result import Result
 
 
-# packaging/pair_options.py generates the parameters of `pair`, their descriptions and the call of `PairOptions`.
+# The script packaging/pair_options.py writes the parameters of `pair`, their descriptions and the `PairOptions` call.
 def pair(
     first: BodyScans | None = None,
     second: BodyScans | None = None,

@@ -86,7 +86,7 @@ class Result(Evaluation):
             raise ValueError(f"name must be one of {', '.join(map(repr, drawing_functions))}, got {short_repr(name)}")
         with mpl.rc_context(MATPLOTLIB_STYLE):
             figure: Figure = drawing_functions[name]()
-        # A notebook shows the figure with this method, without pyplot.
+        # This method makes a notebook show the figure without pyplot.
         vars(figure)["_repr_png_"] = partial(render_png, figure)
         return figure
 
@@ -143,7 +143,7 @@ class Result(Evaluation):
         try:
             return study_result_text(self.summary()).rstrip()
         except ValueError as error:
-            # The error occurs if the surfaces do not touch, or if no member is finished.
+            # There is no coefficient if the surfaces do not touch, or if no member is finished.
             return f"no coefficient: {error}"
 
     def _repr_html_(self) -> str:

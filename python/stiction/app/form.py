@@ -1,4 +1,4 @@
-"""Form fields of the app as HTML, and messages in which labels of form fields replace option names."""
+"""Form of the app: HTML of the fields, parsing of the entered texts, and messages that name the form fields."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def format_error(error: Exception) -> str:
 
 
 def parse_reading_options(texts_by_flag: Mapping[str, str]) -> dict[str, str | tuple[str, ...]]:
-    """Convert the texts of form fields that are not empty to keyword arguments of `read_measurement`."""
+    """Convert the texts of nonempty form fields to keyword arguments of `read_measurement`."""
     option_texts = {flag.replace("-", "_"): texts_by_flag.get(flag) for flag in FILE_READING_FLAGS}
     return {name: split_option_text(name, text) for name, text in option_texts.items() if text}
 
@@ -105,9 +105,9 @@ _PYTHON_ARGUMENT_PATTERN = re.compile(r'\b\w+="[^"]*" \((--[^()]*)\)')
 
 
 def find_first_option_name(message: str) -> str:
-    """Return the option with which an error message begins.
+    """Return the option name with which an error message begins.
 
-    Returns "" if the form has no field for it.
+    Returns "" if the form has no field for this option.
     """
     match = _OPTION_PATTERN.match(message)
     return match[1] if match and match[1] in FORM_FIELDS_BY_FLAG else ""

@@ -37,12 +37,12 @@ MAX_OUTPUT_BYTES = 2**25
 # Fraction of the machine's memory that a running command may use.
 JOB_MEMORY_FRACTION = 0.5
 # Fraction of the machine's memory that a preview may use.
-# Two short processes that run at the same time may each use this fraction, too.
+# A preview and another short process that run at the same time may each use this fraction of the memory.
 READER_MEMORY_FRACTION = 0.25
 SCOPE_TEXT_SUFFIX = ", here and in the pictures"
-# A command prints this end of its JSON record before it draws figures.
+# End of the JSON record of a command, which the command prints before it draws figures.
 END_OF_JSON_RECORD = b"\n}\n"
-# Files that the user can save after each command. Each value is the name of the file that the command writes.
+# Files that the user can save after each command: name in the app, and name of the file that the command writes.
 FILES_BY_COMMAND = {
     "pair": {"page.html": "report.html", "result.csv": "result.csv", "study.toml": "study.toml"},
     "shear": {"page.html": "report.html", "result.csv": "shear.csv"},
@@ -75,12 +75,12 @@ class Job:
     directory: Path
     # Scans and options for a preview with the asperity model, or None for a command without a preview.
     preview: tuple[list[str], Any] | None = None
-    # "waiting", "running", "done", "stopped" or "failed".
+    # State of the job: "waiting", "running", "done", "stopped" or "failed".
     state: str = "waiting"
-    # Files that the user saves get this name, with their own extension.
+    # Name, without extension, of the files that the user saves.
     file_stem: str = ""
     activity: str = ""
-    # Description of the members in an intermediate result. It is empty for the final result.
+    # Description of the members in an intermediate result, or an empty text for the final result.
     scope: str = ""
     finished: int = 0
     total: int = 0
@@ -105,7 +105,7 @@ class Job:
     def show_result(
         self, record: Any, files: Path | None, *, scope: str = "", counts: tuple[int, int] | None = None
     ) -> None:
-        """Store the coefficients and caveats of a result, so that the page shows them.
+        """Store the coefficients and caveats of a result for display on the page.
 
         `files` is the directory with the files that the user can save, or None if they have not been written. `scope`
         describes the members of an intermediate result. `counts` contains the number of finished members and the number
@@ -145,9 +145,9 @@ class JobQueue:
         directory: Path | None = None,
         preview: Any = None,
     ) -> Job:
-        """Add a command to the queue.
+        """Add a command to the job queue.
 
-        If its result is partly stored, only the missing part is computed.
+        If the result of the command is partly stored, only the missing members are computed.
 
         Files of the result are saved under the name `file_stem`, which is the title by default.
         """
@@ -239,7 +239,7 @@ class JobQueue:
             task.add_done_callback(_print_unexpected_error)
 
         def show_values(record: str) -> None:
-            """Show the final coefficients of a job before its figures are drawn, because drawing may fail."""
+            """Show the coefficients of a finished result before the figures are drawn, because drawing may fail."""
             monitor_task.cancel()
             job.activity = "drawing"
             job.show_result(_read_shown_values(job, record), None)
@@ -258,7 +258,7 @@ class JobQueue:
     async def _show_preview(self, job: Job) -> None:
         """Show a preview of the result while the command of a job computes, unless the command finishes earlier."""
         job.activity = "computing a preview"
-        # The command itself reports the same errors as its preview.
+        # An error of the preview is ignored, because the command of the job reports the same error.
         with suppress(*REPORTED_EXCEPTIONS):
             await self._read_result(
                 job, "preview with the asperity model, without hardness, at {finished} positions", preview=job.preview
@@ -269,7 +269,7 @@ class JobQueue:
     async def _show_files(self, job: Job, record: str) -> None:
         """Copy the files that a finished command wrote, and show them with the coefficients in its JSON record."""
         files = self._choose_directory()
-        # The thread that copies files must not change the job, because it may outlast a stopped job.
+        # The thread that copies files may outlast a stopped job, so the thread must not change the job.
         counts = await asyncio.to_thread(self._copy_files, job, files, record)
         job.show_result(_read_shown_values(job, record), files, counts=counts)
 
@@ -324,7 +324,7 @@ class JobQueue:
         )
 
     def _choose_directory(self) -> Path:
-        """Return the path of a new directory for the result files that the user can save."""
+        """Return an unused path for the directory of a job's result files."""
         self._directory_count += 1
         return self.root / "shared" / f"{self._directory_count}"
 
@@ -352,12 +352,12 @@ def _print_unexpected_error(task: asyncio.Task[None]) -> None:
 
 
 def _read_shown_values(job: Job, record: str) -> dict[str, Any]:
-    """Return the coefficients and caveats from the JSON record that the command of a job printed."""
+    """Return the coefficients and caveats that the app shows, from the JSON record that a job's command printed."""
     return _read_shear_test(record) if job.arguments[0] == "shear" else _read_reported_point(record)
 
 
 def _read_shear_test(record: str) -> dict[str, Any]:
-    """Return peak and final coefficient of a shear test as texts, with the caveats, from its JSON record."""
+    """Return peak coefficient, final coefficient and caveats of a shear test, from the JSON record of the test."""
     shear_record, lines = json.loads(record), []
     for name, place_text in (("peak_friction_coefficient", "at the peak"), ("end_friction_coefficient", "at the end")):
         entry = next(quantity for quantity in shear_record["values"] if quantity["name"] == name)
@@ -367,7 +367,7 @@ def _read_shear_test(record: str) -> dict[str, Any]:
 
 
 def _read_reported_point(record: str) -> dict[str, Any]:
-    """Return the result point that the page shows from the JSON record of a pair: the first with "reported": true.
+    """Return the result point that the app shows: the first point with "reported": true in the record of a pair.
 
     If the record has no result points, its remark is raised as an error.
     """
@@ -378,9 +378,9 @@ def _read_reported_point(record: str) -> dict[str, Any]:
 
 
 def memory_limit_command_prefix(memory: float) -> list[str]:
-    """Return the words before a command that limit its memory, and kill it when its parent process ends.
+    """Return a prefix that limits the memory of a command, and kills the command when its parent process ends.
 
-    It is empty if the system lacks the commands `setpriv` or `prlimit`.
+    The prefix is empty if the system lacks the commands `setpriv` or `prlimit`.
     """
     if not (shutil.which("setpriv") and shutil.which("prlimit")):
         return []
@@ -439,7 +439,7 @@ async def _start_module(
                 await asyncio.wait_for(process.wait(), grace_time)
         if process.returncode is None:
             process.kill()
-            # The process must end before the event loop closes, because its connection would otherwise stay open.
+            # The process must end before the event loop closes, because the connection to the process would stay open.
             with suppress(TimeoutError):
                 await asyncio.wait_for(process.wait(), KILLED_PROCESS_TIMEOUT)
         error_task.cancel()
@@ -456,7 +456,10 @@ async def _read_record(stream: StreamReader) -> tuple[str, bool]:
 
 
 def _failure_message(status: int, error_output: str) -> str:
-    """Return the message for a command that failed with an exit status, which is negative after a signal."""
+    """Return the error message for a failed command, from its exit status and its error output.
+
+    A negative status is minus the number of the signal that ended the command.
+    """
     if status < 0:
         return f"the system ended the command ({signal.Signals(-status).name}); memory may be insufficient"
     lines = [line.removeprefix("stiction: ") for line in error_output.splitlines()]

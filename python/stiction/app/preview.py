@@ -27,9 +27,9 @@ from stiction.surfaces.registration import do_faces_fit
 from stiction.surfaces.roughness import reject_flat_or_small_surface, rms_gradient, roughness_parameters
 
 # Maximum number of rows or columns in the preview of a map.
-# The preview of a profile may have three times as many points.
+# The preview of a profile may have three times this number of points.
 MAX_PREVIEW_SIDE_POINTS = 160
-# Both colours are visible on light and on dark backgrounds.
+# Colours of the profiles in a preview, visible on light and on dark backgrounds.
 PROFILE_COLOURS = ("#7a8490", "#8a63c7")
 
 
@@ -75,7 +75,7 @@ def preview_scan(file: str, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def compare_scans(files: Sequence[str], options: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return whether the faces on two scans fit into each other, and a suitable path for a shear test.
+    """Return whether two scanned faces fit together, and a suggested length of the path for their shear test.
 
     The path is a tenth of the scan length. Scans that cannot be read do not fit.
     """

@@ -20,7 +20,7 @@ from stiction.views.rows import point_record, summary_json
 
 
 def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
-    """Return the study that previews a `pair` command with the asperity model.
+    """Return the study, with the asperity model, that previews the result of a `pair` command.
 
     Returns None if there is no preview.
     """
@@ -28,7 +28,7 @@ def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Stu
 
 
 def main() -> None:
-    """Print the coefficients and the member count of a result, and write its report and other files.
+    """Print coefficients and member count of a result as JSON, and write the report and other files of the result.
 
     The argument is JSON: `directory` of the result, or `preview` with the scans and options of a `pair` command;
     `name`; the `command` of a final result (empty for an intermediate result); `files`, the directory to write; and the

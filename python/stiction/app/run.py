@@ -36,11 +36,11 @@ class TimeLimitedConnection(H11Protocol):
     idle_timers: ClassVar[dict[TimeLimitedConnection, asyncio.TimerHandle]] = {}
 
     def connection_made(self, transport: Any) -> None:
-        """Start the timer of a new connection, and close the oldest idle connection if there are too many."""
+        """Start the timer of a connection; if more than `MAX_IDLE_CONNECTIONS` are idle, close the oldest of them."""
         super().connection_made(transport)
         self.idle_timers[self] = self.loop.call_later(REQUEST_HEADER_TIMEOUT, self._abort)
         if len(self.idle_timers) > MAX_IDLE_CONNECTIONS:
-            # Idle connections are counted one turn of the event loop later, after the arrived requests are read.
+            # The oldest connection is closed one turn of the event loop later, after requests that arrived are read.
             self.loop.call_soon(self.loop.call_soon, self._close_oldest)
 
     def data_received(self, data: bytes) -> None:
@@ -68,7 +68,7 @@ class TimeLimitedConnection(H11Protocol):
 
 
 def run(*, print_message: Callable[[str], None], keep: bool = False, demo: bool = False) -> None:
-    """Serve the page of the app until all its windows have been closed for some time, or until Ctrl-C."""
+    """Serve the page of the app until Ctrl-C, or until the page is no longer open in a browser (see `is_abandoned`)."""
     with (
         tempfile.TemporaryDirectory(prefix=WORKING_DIRECTORY_PREFIX) as directory,
         socket.create_server(("127.0.0.1", 0)) as listener,
@@ -119,7 +119,11 @@ async def _serve(
 
 
 def is_abandoned(server: Server, current_time: float) -> bool:
-    """Return whether all windows have been closed for too long, or whether none was opened in time."""
+    """Return whether the page of the app is no longer open in a browser, or was not opened in time.
+
+    An open page sends requests. Without a request, the time limit is `SERVER_IDLE_TIMEOUT`, or `FIRST_WINDOW_TIMEOUT`
+    before the page has been opened.
+    """
     return current_time - server.last_request_time > (
         SERVER_IDLE_TIMEOUT if server.has_window else FIRST_WINDOW_TIMEOUT
     )

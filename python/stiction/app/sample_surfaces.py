@@ -29,7 +29,7 @@ def write_sample_surfaces(directory: Path) -> list[Path]:
 
 
 def draw_profiles(changes: Any) -> str:
-    """Draw two profiles near first contact as SVG. They are generated from the study `quick` with changed settings."""
+    """Draw two generated profiles at their first contact, for the study `quick` with changed settings, as SVG."""
     study = Study.named("quick").with_changes(changes)
     surfaces: Any = study.surfaces
     upper, lower = next(

@@ -49,7 +49,7 @@ from stiction.study.interfaces import interfaces
 from stiction.study.pair_study import MeasuredPair
 from stiction.surfaces.pairing import SIDES
 
-# Maximum size (bytes) of an uploaded scan, the same as for text files in the readers of measured surfaces.
+# Maximum size (bytes) of an uploaded scan: the limit that the readers of measured surfaces have for text files.
 MAX_SCAN_BYTES = 300_000_000
 MAX_TOTAL_SCAN_BYTES = 2_000_000_000  # bytes
 # Maximum size (bytes) of a request other than an upload of a scan.
@@ -62,7 +62,7 @@ MAX_LISTED_RESULTS = 100
 MAX_PREVIEWED_SCAN_POINTS = 2**21
 REQUEST_EXCEPTIONS = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
 ACCESS_KEY_HEADER = "x-stiction-key"
-# The files at these paths contain nothing private, so requests for them need no access key.
+# Paths of files that contain nothing private, so that requests for these files need no access key.
 PUBLIC_PATHS = ("/", "/app.js", "/app.css")
 
 ALLOWED_OPTIONS_BY_COMMAND = {
@@ -477,7 +477,7 @@ async def _error_response(_: Request, error: Exception) -> Response:
 
 
 def _request_body_length(request: Request, max_length: int) -> int:
-    """Return the length of a request body in bytes, or raise an HTTPException if it is too long or unknown."""
+    """Return the length of a request body in bytes, or raise an HTTPException if the length is unknown or too large."""
     length_text = request.headers.get("content-length", "")
     if "transfer-encoding" in request.headers or not length_text.isdecimal():
         raise HTTPException(411)

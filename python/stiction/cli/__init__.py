@@ -45,7 +45,7 @@ def main() -> None:
             from stiction.cli.application import run_command_line
         status = run_command_line()
     except KeyboardInterrupt:
-        # The error occurs if Ctrl-C is pressed during the import of libraries.
+        # Ctrl-C was pressed during the import of libraries.
         status = EXIT_INTERRUPTED
     # The process ends without waiting for threads that are still computing.
     if status == EXIT_INTERRUPTED:
@@ -59,12 +59,12 @@ def main() -> None:
 
 
 def _redirect_closed_streams() -> None:
-    """Redirect standard streams that are closed to the null device, so that no other file gets their descriptors."""
+    """Redirect closed standard streams to the null device. Otherwise files opened later would get their descriptors."""
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         try:
             os.fstat(number)
         except OSError:
-            # The null device gets the lowest free file descriptor, which is that of the closed stream.
+            # `os.open` returns the lowest free file descriptor, which is the number of the closed stream.
             null_device = os.open(os.devnull, os.O_RDWR)
             setattr(sys, name, os.fdopen(null_device, "w" if number else "r"))
 

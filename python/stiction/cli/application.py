@@ -44,12 +44,12 @@ def print_message(text: str, kind: str = "") -> None:
         _clear_line()
         print("\n".join(lines), file=sys.stderr, flush=True)
     except OSError:
-        # The error occurs if standard error is closed, or if its disk is full.
+        # Printing fails if standard error is closed, or if the disk of its file is full.
         _redirect_to_null_device(sys.stderr)
 
 
 def _redirect_to_null_device(stream: TextIO) -> None:
-    """Redirect a stream to the null device after a failed write, because the flush at exit would fail again."""
+    """Redirect a stream to the null device after a failed write, so that the flush at exit does not fail too."""
     # A stream such as `io.StringIO` has no file descriptor.
     with suppress(OSError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
@@ -57,7 +57,7 @@ def _redirect_to_null_device(stream: TextIO) -> None:
 
 def report_interruption(detail: str = "") -> typer.Exit:
     """Print that the command was interrupted, and return an exception that exits with status 130."""
-    # A second Ctrl-C would only print a traceback.
+    # SIGINT is ignored from here, because a second Ctrl-C would only print a traceback.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     print_message(f"interrupted{detail}")
     return typer.Exit(EXIT_INTERRUPTED)
@@ -147,7 +147,7 @@ def format_help_epilog(*lines: str) -> str:
     return "\b\n" + "\n".join(["Examples:", *(f"  {line}" for line in lines), "", EXIT_STATUS_HELP])
 
 
-# Typer prints a default that is described by text in parentheses.
+# Typer prints a default in parentheses if the default is described by a text.
 _DEFAULT_VALUE_PATTERN = re.compile(r"\[default: \(([^()]*)\)")
 _RANGE_LIMITS_PATTERN = re.compile(r"(; )?\bx[<>]=?[-\d.]+")
 # Typer appends the type of an option to the option's name.
@@ -310,7 +310,7 @@ def run_command_line() -> int:
             context = getattr(error, "ctx", None)
             command = context.command_path if context else "stiction"
             message = error.format_message()
-            # Pydantic words its messages about numbers out of range differently from this package.
+            # Pydantic's wording for numbers out of range is replaced by the wording of all other messages.
             message = re.sub(r"^Invalid value for '([^']+)': Input should be ", r"\1 must be ", message)
             message = _add_command_suggestion(message)
             print_message(f"{message}\ntry {command} --help")
@@ -325,7 +325,7 @@ def run_command_line() -> int:
         print_message(error.translated_message(_option_name))
     except (ValueError, ImportError) as error:
         print_message(str(error) or type(error).__name__)
-    # These errors occur if a thread cannot start, or if a library runs out of memory.
+    # A RuntimeError or SystemError occurs if a thread cannot start, or if a library runs out of memory.
     except (RuntimeError, SystemError) as error:
         print_message(f"{error or type(error).__name__}; a limit on memory or processes may be the cause")
     except KeyboardInterrupt:
@@ -339,7 +339,10 @@ def run_command_line() -> int:
 
 
 def _discard_unwritable_output() -> None:
-    """Discard output that cannot be written, because Python would otherwise exit with a traceback and status 120."""
+    """Flush standard output and standard error, and discard output that cannot be written.
+
+    Otherwise Python would exit with a traceback and status 120.
+    """
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
@@ -361,7 +364,7 @@ def _add_command_suggestion(message: str) -> str:
 
 @contextmanager
 def _reraise_hidden_interrupts() -> Iterator[None]:
-    """Raise KeyboardInterrupt instead of another exception that an interrupt has caused, such as an ImportError."""
+    """Raise KeyboardInterrupt instead of an exception, such as an ImportError, that Ctrl-C has caused."""
     try:
         yield
     except Exception as error:
@@ -374,7 +377,7 @@ def _reraise_hidden_interrupts() -> Iterator[None]:
 
 
 def _handle_unraisable(unraisable: Any) -> None:
-    """Raise a KeyboardInterrupt again in the main thread if it was raised in a destructor, where Python ignores it.
+    """Raise a KeyboardInterrupt in the main thread if a destructor raised one, because Python ignores such errors.
 
     An AttributeError is ignored: the destructor of an object raises it if the constructor was interrupted.
     """

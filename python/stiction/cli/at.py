@@ -1,4 +1,4 @@
-"""Command `stiction at`: friction of a result at other loads, mu0 and tau0, or with scaled heights."""
+"""Command `stiction at`: evaluation of a result at other loads, mu0 or tau0, or for scaled heights."""
 
 from __future__ import annotations
 
@@ -163,7 +163,7 @@ def _print_height_factor_results(
     stored_result: StoredResult, text: str, scaled: str, loads: list[float], mu0: Any, tau0: Any, *, compute: bool,
     workers: int | None, as_json: bool,
 ) -> None:  # fmt: skip
-    """Print friction for scaled heights.
+    """Print the friction of a stored pair for scaled heights, one result per height factor.
 
     If `compute` is true, missing results are computed first.
     """
@@ -202,7 +202,7 @@ def _print_height_factor_results(
 def _select_nearest_parameters(
     dataset: xarray.Dataset, dimensions: list[float] | None, amplitudes: Sequence[float] | None
 ) -> xarray.Dataset:
-    """Select the computed fractal dimensions and amplitudes (µm) that are nearest to the requested numbers.
+    """Select the cells whose fractal dimensions and amplitudes (µm) are nearest to the requested numbers.
 
     By default, all dimensions and the first amplitude are selected.
     """

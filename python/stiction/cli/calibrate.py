@@ -170,7 +170,7 @@ BALL_YIELD_PRESSURE_RATIO = 0.39
 
 
 def _describe_yielding_ball(ball: Ball, loads: Sequence[float]) -> str:
-    """Return a caveat if the ball or the flat below it may yield at one of the loads (mN), or "" if neither yields.
+    """Return a caveat if the ball or the flat may yield at one of the loads (mN), or "" if neither can yield.
 
     The hardness is known only if the materials are given by name.
     """

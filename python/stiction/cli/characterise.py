@@ -202,7 +202,7 @@ def characterise(
 def _print_joined_spectrum(
     files: list[Path], scans: list[Characterisation], outputs: list[Path], *, as_json: bool
 ) -> None:
-    """Print the spectrum that is joined from several scans, and write the requested files."""
+    """Print the power spectrum joined from several scans, and write the output files of the command."""
     from stiction.cli.result_output import choose_message_printer
     from stiction.surfaces.joined_spectrum import joined_spectrum
     from stiction.surfaces.measured.spectrum_file import write_spectrum
@@ -275,7 +275,7 @@ def _print_scan_comparison(
 
 
 def _choose_output_paths(files: list[Path], output: Path | None, *, together: bool, repeated: bool) -> list[Path]:
-    """Return the paths of the files to write.
+    """Return the paths of the output files of `characterise`.
 
     Only figures and reports may replace existing files.
     """
@@ -320,7 +320,7 @@ def _list_output_paths(files: list[Path], output: Path | None, *, together: bool
 
 
 def _select_row_or_column(body: Profile | Surface, row: int | None, column: int | None) -> Profile | Surface:
-    """Return a row or column of a surface, or the whole body if no index is given."""
+    """Return one row or column of a surface as a profile, or the body unchanged if neither index is given."""
     from stiction.surfaces.profile import Profile
 
     for name, index, other_index in (("row", row, column), ("column", column, row)):
@@ -339,9 +339,9 @@ def _select_row_or_column(body: Profile | Surface, row: int | None, column: int 
 
 
 def _level_body(body: Profile | Surface, level: Any) -> Profile | Surface:
-    """Subtract a trend or form from a body.
+    """Subtract a trend or a form, such as a line or a plane, from the heights of a body.
 
-    By default, it is a line for a profile, and a plane for a surface.
+    By default, the form is a line for a profile, and a plane for a surface.
     """
     from stiction.surfaces.preparation import ProfileForm, SurfaceForm, levelled
     from stiction.surfaces.profile import Profile
@@ -357,7 +357,7 @@ def _level_body(body: Profile | Surface, level: Any) -> Profile | Surface:
 
 
 def _reject_unused_options(context: typer.Context, *, together: bool, repeated: bool) -> None:
-    """Raise a `ValueError` if an option was given that has no effect on joined spectra or on repeated scans."""
+    """Raise a `ValueError` if a given option has no effect on joined spectra, or on repeated scans."""
     names = ["lc", "ls", "robust", "band", "texture", *(["tip"] if repeated else [])]
     given_names = [name for name in names if option_was_given(context, name)]
     if given_names and (together or repeated):

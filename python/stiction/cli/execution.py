@@ -30,14 +30,14 @@ def open_executor(workers: int | None, scheduler: str | None) -> contextlib.Abst
         return thread_pool_executor(workers)
     if workers is not None:
         raise StudyError("--workers must not be combined with --scheduler")
-    # At the start, `main` has set this entry to None to prevent the import of Dask.
+    # At the start, `main` sets `sys.modules["dask"]` to None, which prevents the import of Dask.
     if sys.modules.get("dask") is None:
         sys.modules.pop("dask", None)
     return connect_to_cluster(scheduler)
 
 
 def parse_part(text: str | None) -> tuple[int, int] | None:
-    """Parse the option `--part` into two numbers: the number of the part, and the number of all parts."""
+    """Parse the option `--part I/N`, which selects one of N parts of a computation, and return I and N."""
     if text is None:
         return None
     match = re.fullmatch(r"([1-9][0-9]{0,8})/([1-9][0-9]{0,8})", text)
@@ -57,7 +57,7 @@ def check_output_directory(directory: Path) -> None:
 
 
 def _conflict_advice(error: StudyMismatchError, study: Study, *, is_replaceable: bool) -> str:
-    """Return advice for the case that the output directory contains another study."""
+    """Return the advice in the error message if the output directory contains another study."""
     remedies = ["choose another directory with --output DIR"]
     if is_replaceable:
         remedies.append("overwrite the stored result with --replace")
@@ -94,7 +94,7 @@ def compute_result_in_directory(
         raise error.with_remedy(_conflict_advice(error, study, is_replaceable=is_replaceable)) from None
     except KeyboardInterrupt:
         resume_text = ""
-        # It is no error if no result is stored yet.
+        # Opening fails if no result is stored yet. This error is not reported.
         with contextlib.suppress(StoreError):
             stored_result = open_stored_result(directory)
             count_text = study.member_names.with_count(stored_result.study.ensemble.repetitions)

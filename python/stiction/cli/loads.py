@@ -1,4 +1,4 @@
-"""Option `--load` of commands that evaluate a stored result: parsing, and messages about loads without values."""
+"""Option `--load` of commands that evaluate a stored result, and messages about loads that have no coefficient."""
 
 from __future__ import annotations
 
@@ -54,13 +54,13 @@ def parse_loads(result: Result, texts: list[str] | None, width: str | None = Non
             if result.nominal_area is None:
                 raise ValueError(f"--load must be a force if the result has no nominal area, got {short_repr(value)}")
             force *= result.nominal_area
-        # Twelve digits, as in `pair`, make equal loads compare equal.
+        # Loads are rounded to twelve digits, as in `pair`, so that equal loads compare equal.
         loads.add(float(f"{force:.12g}"))
     return sorted(loads)
 
 
 def report_missing_loads(result: Result, values: xarray.Dataset, missing_loads: Sequence[float]) -> None:
-    """Warn about loads without a coefficient, or raise a `ValueError` if all loads lack a coefficient."""
+    """Print a warning about loads without a coefficient, or raise a `ValueError` if no load has a coefficient."""
     from stiction.views.text import missing_loads_text
 
     if not missing_loads:

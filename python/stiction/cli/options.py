@@ -80,7 +80,7 @@ def show_reader_import_status(file: Path) -> None:
 
 
 def reject_options(context: typer.Context, reason: str, *names: str) -> None:
-    """Raise a `ValueError` with the given reason if one of several options was given."""
+    """Raise a `ValueError` with the given reason if the command line contains one of the named options."""
     for name in names:
         if option_was_given(context, name):
             option = f"--{name.replace('_', '-')}"

@@ -156,9 +156,9 @@ def pair(
     for file in measured_pair.files:
         show_reader_import_status(Path(file.file))
     studies = measured_pair.studies
-    # An error about the surfaces is raised here, before any file is written.
+    # The surfaces are checked before any file is written.
     find_body_attributes(studies[0])
-    # The first remark is skipped if it is the source of the elastic constants, which is printed with the result.
+    # The first remark is skipped if it states the source of the elastic constants, which is printed with the result.
     first_remark = 0 if verbose else bool(measured_pair.elasticity.source)
     for remark in measured_pair.remarks[first_remark:]:
         print_message(remark)
@@ -228,7 +228,7 @@ def compute_preview_line(study: Study) -> str:
 
 
 def submit_preview(study: Study | None, executor: Executor) -> None:
-    """Compute a preview of a study in one worker, and print it, unless there is no study or no terminal."""
+    """Compute a preview in one worker and print it, if a study is given and standard error is a terminal."""
 
     def print_preview(future: Future[str]) -> None:
         # The preview fails if the surfaces do not touch.

@@ -48,7 +48,7 @@ def open_result_with_warning(directory: Path) -> Result:
 
 
 def print_result(result: Result, *, verbose: bool = False) -> None:
-    """Print a result at the loads of its study: friction, assessment, cutoff study and onset of sliding."""
+    """Print friction, assessment, cutoff study and onset of sliding of a result, at the loads of the study."""
     command = complete_output_command(result)
     options: dict[str, Any] = {"max_overview_lines": MAX_CAVEAT_LINES, "complete_command": command}
     print_output(study_result_text(_summarize(result), verbose=verbose, **options))
@@ -61,7 +61,7 @@ def print_pair_values(result: Result, *, verbose: bool = False) -> None:
 
 
 def print_resolution_and_onset(result: Result, *, verbose: bool = False) -> None:
-    """Print the cutoff study and the onset of sliding of a measured pair, if it has a coefficient."""
+    """Print the cutoff study and the onset of sliding of a measured pair, if the pair has a coefficient."""
     if text := resolution_and_onset_text(_summarize(result), verbose=verbose):
         print_output(text)
 
@@ -73,12 +73,12 @@ def print_sentences(result: Result) -> None:
 
 
 def print_result_json(result: Result, command: str, **fields: Any) -> None:
-    """Print a result at the loads of its study as the JSON record of a command."""
+    """Print a result as a JSON record, at the loads of the study."""
     print_output(summary_json(command, _summarize(result), **fields))
 
 
 def _summarize(result: Result) -> Summary:
-    """Return the summary of a result, without result points if there is no coefficient.
+    """Return the summary of a result. The summary has no result points if the result has no coefficient.
 
     If `Result.summary` raises a `ValueError`, the summary has no points, and `no_points_reason` contains the message.
     """
@@ -122,12 +122,12 @@ def _write_result_files(result: Result, directory: Path) -> list[str]:
     from stiction.views.report import evaluate_report
 
     report_path = directory / "report.html"
-    # The report raises the same error again.
+    # An error is suppressed here, because drawing the report raises the same error again.
     with contextlib.suppress(ValueError):
         # The quantities at all loads are evaluated before two processes draw report and figure, because both need them.
         result.at_report_loads  # noqa: B018
     with evaluate_report(result, name=directory.resolve().name) as draw_report, draw_report() as get_report:
-        # An earlier import of Matplotlib would delay the evaluation.
+        # Matplotlib is imported only here, because an earlier import would delay the evaluation.
         from stiction.views.figures import draw_figures
 
         replace_text_file(directory / RESULT_TABLE_NAME, result_csv(result), OUTPUT_FILE_SIGNATURES[RESULT_TABLE_NAME])
@@ -146,5 +146,5 @@ def write_figures(result: Result, directory: Path, *, formats: Sequence[str] = (
 
 
 def choose_message_printer(as_json: bool) -> Callable[[str], None]:
-    """Return the function that prints messages: on standard error if standard output contains JSON."""
+    """Return the printer of messages: on standard error if standard output contains JSON, else on standard output."""
     return print_message if as_json else print_output

@@ -162,7 +162,7 @@ def export(
     from stiction.views.files import check_joint_file, is_card
 
     chosen_units: Any = units
-    # In the directory of a study, a file with the name of a shear test may be an export of this study.
+    # In the directory of a study, a file named like a shear test may be an export of the study.
     has_study = (directory / STUDY_FILE).exists()
     if not has_study and (test := load_shear_test(directory)) is not None:
         reject_options(context, "does not apply to shear tests", "load", "compute", "workers")
@@ -191,7 +191,7 @@ def export(
 
 
 def _compute_joint(result: Result, directory: Path, workers: int | None, loads: list[float] | None) -> Result:
-    """Compute a pair at all loads of its joint table, or at its own and the given loads (mN).
+    """Compute a pair at the loads of its joint table, or at given loads (mN) in addition to the loads of its study.
 
     A result of another study in the directory is replaced.
     """

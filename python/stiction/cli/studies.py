@@ -111,7 +111,7 @@ def _load_study(text: str) -> tuple[Study, Path]:
 
 
 def parse_overrides(assignments: list[str]) -> dict[str, Any]:
-    """Parse the texts of the option `--set`, and return the new values by study key."""
+    """Parse assignments KEY=VALUE of the option `--set`, and return the values by study key."""
     from stiction.study.values import StudyError
 
     overrides = {}

@@ -125,7 +125,7 @@ def table_command(
     )
     if interface is not None:
         study = study.with_changes({"contact.sliding": rules})
-    # An existing file is replaced only if it starts with these bytes, which this command writes.
+    # An existing file is replaced only if its first bytes show that this command wrote the file.
     signatures = {
         NETCDF_FILE_NAME: CHECKSUM_PREFIX,
         CSV_FILE_NAME: b"stiffness over area (",
@@ -152,7 +152,7 @@ def _split_at_commas(text: str) -> list[str]:
 
 
 def _choose_hardness(hardness: str | None, elasticity: PairElasticity) -> str | float | None:
-    """Return the given hardness or, without it, the hardness of the softer material; None for elastic bodies."""
+    """Return the given hardness, or else the hardness of the softer material, or else None (elastic bodies)."""
     from stiction.mechanics.materials import material, softer_hardness
 
     if hardness is not None or elasticity.materials is None:
@@ -162,7 +162,7 @@ def _choose_hardness(hardness: str | None, elasticity: PairElasticity) -> str | 
 
 
 def _tabulate_measured_pair(options: dict[str, Any], output: Path, workers: int | None, scheduler: str | None) -> None:
-    """Compute a measured pair, and write one table of the joint for each pair of mu0 and tau0."""
+    """Compute a measured pair, and write a table of the joint for each combination of mu0 and tau0."""
     import pandas
 
     from stiction.cli.execution import compute_result_in_directory, open_executor

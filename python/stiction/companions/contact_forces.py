@@ -108,7 +108,7 @@ _PairAtApproach = tuple[Profile, Profile, float, dict[str, float], dict[str, flo
 
 
 def _find_first_touching_pair(result: MemberSums) -> _PairAtApproach | None:
-    """Return the first measured pair that touches at the first load of the study.
+    """Return the first pair of measured profiles that is in contact at the first load of the study.
 
     Returns None if no pair touches.
     """
@@ -128,7 +128,7 @@ def _find_first_touching_pair(result: MemberSums) -> _PairAtApproach | None:
 
 
 def _generate_middle_pair(result: MemberSums) -> _PairAtApproach | None:
-    """Generate the first pair of profiles at the middle fractal dimension, and choose an approach for their figure.
+    """Return the first generated pair at the middle fractal dimension, and the approach of the figure.
 
     The approach is the median of the approaches at which at least one pair touches. Returns None if no pair touches.
     """

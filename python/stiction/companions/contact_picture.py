@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 MAX_PICTURE_SIDE_POINTS = 512
 # Loads in the figure of an adhesive loading cycle, as multiples of the pull-off force.
 LOADS_RELATIVE_TO_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)
-# Ratio of the side lengths of a map and of the magnified window around the contact with the largest load.
+# Side of a map, divided by the side of the window that magnifies the contact with the largest load.
 ZOOM_FACTOR = 8
 MIN_ZOOM_SIDE_POINTS = 16
 
@@ -59,7 +59,7 @@ _CONTACT_VARIABLE_SPECS = {
     "contact_at_edge": ("at_edge", "1", "whether a contact reaches the edge of the scans"),
 }
 
-# A column title of a table ends with one of these suffixes, which states the unit of the dimension.
+# Suffixes of column titles, which state the unit of each dimension.
 _COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um"}
 
 
@@ -177,7 +177,7 @@ _CONTACT_PICTURE_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
 
 
 def find_index_nearest_to_mean(area: Floats) -> int:
-    """Return the index of the area that is closest to the mean of all areas.
+    """Return the index of the area that is closest to the mean area.
 
     NaN areas are ignored.
     """
@@ -306,7 +306,7 @@ def _validate_member_indices(members: int | Sequence[int], available: list[int])
 def _select_members_at_loads(
     areas: xarray.DataArray, loads: Floats, indices: list[int] | None
 ) -> Iterator[tuple[float, int]]:
-    """Yield pairs of load (mN) and member: all selected members or, by default, the typical member at the load."""
+    """Yield tuples (load in mN, member index): all selected members or, by default, the typical member at each load."""
     for load in loads.tolist():
         if indices is not None:
             yield from ((load, index) for index in indices)

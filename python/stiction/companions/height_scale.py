@@ -1,4 +1,4 @@
-"""Friction and true area of a measured pair whose heights are multiplied by factors, as for another finish.
+"""Friction and true area of a measured pair with heights multiplied by a factor, as for another surface finish.
 
 A separate study is computed for each factor, and stored in the directory of the result. Friction at other factors is
 interpolated.
@@ -140,7 +140,7 @@ def _parse_factor_text(text: str) -> Floats:
 
 
 def _find_enclosing_powers_of_two(low: float, high: float) -> Floats:
-    """Return the powers 2^(n/2), with whole numbers n, that cover an interval of height factors."""
+    """Return the height factors 2^(n/2), with consecutive integers n, that cover the range from `low` to `high`."""
     first_exponent, last_exponent = (
         math.floor(math.log2(low) / HEIGHT_FACTOR_EXPONENT_STEP),
         math.ceil(math.log2(high) / HEIGHT_FACTOR_EXPONENT_STEP),
@@ -167,7 +167,7 @@ def find_missing_factors(factors: Floats, solved_factors: Floats) -> Floats:
 
 
 def _find_enclosing_indices(solved_factors: Floats, factor: float) -> tuple[int, int] | None:
-    """Return the indices of the two computed height factors that enclose a requested factor.
+    """Return the indices of the computed height factors directly below and above a requested factor.
 
     Both indices are equal if the requested factor itself was computed. Returns None if no two computed factors enclose
     the requested factor, or if they differ too much for an interpolation.
@@ -220,7 +220,7 @@ def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[f
             factor = float(directory.name.removeprefix(f"{scaled}-"))
             factor_sums = find_factor_study(result.study, result.path, factor, scaled).open()
         except ValueError:
-            # The error occurs if the name of a subdirectory is not a height factor.
+            # The name of the subdirectory is not a height factor.
             continue
         if factor_sums is not None:
             results[factor] = factor_sums
@@ -358,7 +358,7 @@ def evaluate_at_height_factors(
                 interpolated[index], (1 - position) * below + position * above, below, above, np.asarray(position),
                 dependence.mean_with_interval,
             )  # fmt: skip
-        # The statistic is the last dimension of every variable that has it.
+        # If a variable has limits of an interval, the last dimension contains the mean, the lower and the upper limit.
         if "statistic" in unscaled_point[name].dims:
             interpolated[..., 1] = np.minimum(interpolated[..., 1], interpolated[..., 0])
             interpolated[..., 2] = np.maximum(interpolated[..., 2], interpolated[..., 0])
@@ -385,7 +385,7 @@ def evaluate_at_height_factors(
 
 
 def _get_member_values(members: xarray.Dataset, name: str, dims: Sequence[Any]) -> Floats | None:
-    """Return a quantity of all members as an array with the members on the first axis, followed by `dims`.
+    """Return a quantity as an array with the members along the first axis, followed by the axes `dims`.
 
     Returns None if the members do not have the quantity.
     """
@@ -405,7 +405,7 @@ def _get_member_values(members: xarray.Dataset, name: str, dims: Sequence[Any]) 
 
 
 def _compute_rms_heights(study: Study) -> dict[str, float]:
-    """Return the rms heights (µm) of the first member's upper and lower body, or {} if scan files are missing."""
+    """Return the rms height (µm) of each body of the first member, by side; empty if a scan file is missing."""
     try:
         return {side: float(np.std(body.heights)) for side, body in zip(SIDES, get_first_pair(study), strict=True)}
     except (ValueError, OSError):
@@ -415,7 +415,7 @@ def _compute_rms_heights(study: Study) -> dict[str, float]:
 def _interpolate_between_factors(
     values: Floats, solved_factors: Floats, factor: float, neighbors: tuple[int, int]
 ) -> Floats:
-    """Interpolate a quantity at a height factor, given its values at computed factors along the first axis.
+    """Interpolate a quantity at a height factor from its values at the computed factors (first axis).
 
     The interpolation is a monotone cubic in log(factor), of log(values) if all values are positive. The result is NaN
     if a value at one of the two neighbouring factors is NaN.

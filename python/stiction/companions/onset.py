@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from stiction.mechanics.onset import Onset
     from stiction.solve.store import StoredResult
 
-# A file that starts with these bytes is recognised as an onset table of an earlier run.
+# First bytes of a file that is recognised as an onset table of an earlier run.
 ONSET_TABLE_SIGNATURE = b"fraction of the sliding load,"
 NUM_ONSET_MEMBERS, NUM_ONSET_MEMBERS_FOR_MAPS = 16, 4
 """Default numbers of members for the onset of sliding: 16 in general, and 4 for maps in the half-space model."""
@@ -69,7 +69,7 @@ _STATISTIC_NAMES = ["mean", "lower", "upper"]
 
 
 def import_fit_packages(study: Study) -> None:
-    """Import the packages that fit presliding models before the fit needs them, because the import takes 0.2 s.
+    """Import in advance the packages that fit presliding models, because the import takes 0.2 s.
 
     Nothing is imported for a free half-plane, because an onset curve without displacements is not fitted.
     """
@@ -148,7 +148,7 @@ def compute_member_onset(
             {"tolerance": TRACTION_TOLERANCE} if isinstance(pressed_pair.curve, HalfSpaceCurve) else {}
         )
         onset = pressed_pair.curve.onset(0, mu0=mu0, tau0=tau0, steps=ONSET_LOAD_FRACTIONS, poisson=poisson, **options)
-    # The errors occur if the solver failed, or if the contact law does not describe the onset of sliding.
+    # The curve is missing if the solver failed, or if the contact law does not describe the onset of sliding.
     except (NoSolutionError, ValueError):
         return None
     curve: dict[str, Any] = {
@@ -177,7 +177,7 @@ def _average_onset_curves(study: Study, curves: Sequence[dict[str, Any]], attrib
             member_dependence.mean_with_interval(np.array([curve[name] for curve in curves])), *QUANTITIES[name].bounds
         )
         variables[name] = (dims, values, quantity_attributes(name))
-    # The curve also contains smaller tangential loads than the load at the onset of sliding.
+    # The `long_name` does not mention the onset, because the curve also contains loads below the sliding load.
     variables["tangential_load"][2]["long_name"] = "tangential load"
     coordinates: dict[str, Any] = {
         "fraction": (
@@ -208,7 +208,7 @@ The dataset of the onset stores the parameters as attributes, such as "iwan_chi"
 
 
 def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
-    """Fit the Iwan and LuGre models to the mean onset curve, and return their parameters by attribute name."""
+    """Fit the Iwan and the LuGre model to the mean onset curve, and return the model parameters by attribute name."""
     curve = onset.sel(statistic="mean")
     displacement, load = (np.asarray(curve[name].values) for name in ("displacement", "tangential_load"))
     sliding_load = float(curve["sliding_load"])
@@ -238,7 +238,7 @@ _MODEL_FORCE_PARAMETERS = ("iwan_sliding_load_mN",)
 
 
 def scale_onset(onset: xarray.Dataset, coefficient: Estimate) -> xarray.Dataset:
-    """Scale a computed onset curve so that the bodies slide at the tangential load μ_s F, where F is the normal load.
+    """Scale a computed onset curve to the sliding load μ_s F, where μ_s is `coefficient` and F the normal load.
 
     The sliding load and its interval are the coefficient and its interval times F. The tangential loads of the curve
     are fractions of this sliding load. As in the solution of Cattaneo and Mindlin, the displacements at equal fractions
@@ -270,7 +270,7 @@ _LOAD_INTERVAL_KIND = "load_interval_kind"
 
 @dataclass(frozen=True)
 class OnsetCurvePoint:
-    """Displacement, slip and dissipated energy at one tangential load of the mean onset curve, with 95 % intervals."""
+    """Point of the mean onset curve: displacement, slip and dissipated energy at one tangential load."""
 
     tangential_load: Estimate  # mN
     displacement: Estimate  # µm
@@ -295,7 +295,7 @@ class OnsetSummary:
     tau0: float  # GPa
     num_members: int
     poisson_ratio: tuple[float, ...]  # of both bodies
-    # False if the default Poisson's ratio was assumed.
+    # True if the user gave Poisson's ratio, and False if the default was assumed.
     is_poisson_ratio_given: bool
     sliding_load: Estimate  # tangential load, mN
     displacement_at_sliding: Estimate  # µm
@@ -305,7 +305,7 @@ class OnsetSummary:
     unloading_stiffness: Estimate
     # Points of the onset curve. The keys are tangential loads divided by the sliding load.
     curve: dict[float, OnsetCurvePoint]
-    # Fitted parameters of each presliding model. The dict is empty if the fit failed.
+    # Fitted parameters of each presliding model, or an empty dict if the fit failed.
     models: dict[str, dict[str, float]]
 
 
@@ -477,7 +477,7 @@ def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
 
 
 def _find_block_minima(values: Floats, block_size: int) -> Floats:
-    """Return the minimum of each square block of a map, ignoring NaN. The minimum of a block of NaN is NaN."""
+    """Return the smallest number in each square block of a map, or NaN for a block that contains only NaN."""
     rows, columns = (-(-size // block_size) * block_size for size in values.shape)
     padded_map = np.full((rows, columns), np.inf)
     padded_map[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), np.inf, values)

@@ -54,7 +54,7 @@ MAX_CUTOFF_TO_SIDE_RATIO = 1 / 30
 
 
 def build_cutoff_study(study: Study) -> Study | None:
-    """Return the cutoff study of a measured pair: a few members at several cutoffs, and only the requested loads.
+    """Return the study of a measured pair at several cutoffs, with a few members and only the requested loads.
 
     The first cutoff is the cutoff of the original study. The second cutoff is the shortest resolved wavelength if the
     scans are unfiltered, or twice the first cutoff if they are filtered. Each further cutoff is twice the previous one.
@@ -110,7 +110,7 @@ def find_cutoff_study(study: Study, path: Path) -> CompanionStudy | None:
 
 
 def _find_first_scan_member(study: Study) -> int:
-    """Return the index of the first member that uses the scans themselves instead of surrogates.
+    """Return the index of the first member that consists of scans instead of surrogates.
 
     Returns 0 if all members are surrogates.
     """
@@ -119,7 +119,7 @@ def _find_first_scan_member(study: Study) -> int:
 
 
 def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
-    """Evaluate friction and contact of a measured pair at several cutoffs, from the stored cutoff study.
+    """Evaluate friction and contact quantities of a measured pair at each cutoff of the stored cutoff study.
 
     Loads, mu0 and tau0 are those of the pair. Returns None if no cutoff study of this pair is stored.
     """
@@ -131,7 +131,7 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
     try:
         cutoff_study = find_cutoff_study(study, result.path)
     except ValueError:
-        # The error occurs if a scan file is missing.
+        # `find_cutoff_study` fails if a scan file is missing.
         return None
     cutoff_sums = None if cutoff_study is None else cutoff_study.open(allow_unfinished=True)
     if cutoff_sums is None:
@@ -160,7 +160,7 @@ class ResolvedRoughness:
     # Rms gradient of the gap of the first member.
     gradient: float
     roughness: ScaleDependentRoughness
-    # Fit of the gap's Hurst exponent, or None if no band is self-affine.
+    # Fitted Hurst exponent of the gap, or None if no band of the spectrum is self-affine.
     estimate: HurstEstimate | None
 
     @property
@@ -169,7 +169,7 @@ class ResolvedRoughness:
         return float(self.roughness.fraction_below(2 * self.shortest))
 
     def find_yield_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
-        """Estimate the cutoff (µm) at which elastic contacts have `ratio` times their pressure without a cutoff.
+        """Estimate the cutoff (µm) at which elastic contacts have `ratio` times the pressure without a cutoff.
 
         The scans contain all wavelengths from the shortest resolved one. Returns the cutoff with its lower and upper
         limit.
@@ -179,7 +179,7 @@ class ResolvedRoughness:
         return brackets.plastic_wavelength(self.roughness, self.estimate, gradient, kappa_factor)
 
     def extrapolate_to_finer_scans(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
-        """Extrapolate the gap's rms gradient and elastic area fraction to finer scans.
+        """Extrapolate the rms gradient of the gap, and the area fraction of elastic contacts, to finer scans.
 
         Returns the shortest wavelengths (µm) of the finer scans, the gradients, and the area fractions. Gradients and
         area fractions are triples of value, lower limit and upper limit.
@@ -196,7 +196,7 @@ class ResolvedRoughness:
 
 
 def find_resolved_roughness(study: Study) -> ResolvedRoughness | None:
-    """Compute the roughness of the gap.
+    """Compute the roughness of the gap at resolved wavelengths, with an extrapolation to shorter wavelengths.
 
     Returns None if the bodies are generated or scan files are missing.
     """
@@ -230,7 +230,7 @@ def _compute_resolved_roughness(study: Study) -> ResolvedRoughness:
 
 
 def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | None:
-    """Return the smallest mu_s and area fraction that any finer scan can give if contacts yield.
+    """Return lower bounds of mu_s and of the area fraction, which hold for all finer scans if the contacts yield.
 
     With friction at all contacts, the bound of mu_s is mu0 + tau0/H'. If the interface is stronger than the softer body
     with shear strength k, the bound is k/(H/2). The bound of the area fraction is p/H, where p is the nominal pressure.
@@ -244,10 +244,10 @@ def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, floa
 
 @dataclass(frozen=True)
 class YieldWavelengthEstimate:
-    """Cutoff wavelength (µm) at which the elastic pressure reaches a given hardness H, and friction mu0 + tau0/H."""
+    """Cutoff (µm) at which the elastic contact pressure equals a given hardness H, and friction mu0 + tau0/H."""
 
     hardness: float
-    # Cutoff wavelength (µm). It is NaN if the pressure does not reach the hardness at any cutoff.
+    # Cutoff wavelength (µm), or NaN if the pressure does not reach the hardness at any cutoff.
     wavelength: Estimate
     friction: float
 
@@ -257,7 +257,7 @@ class CutoffResult:
     """Friction, roughness, area fraction and pressure of a pair at one cutoff, load, mu0 and tau0."""
 
     at: dict[str, float]
-    # Rms gradient, area fraction, pressure and, for each sliding rule, friction at a cutoff.
+    # Rms gradient, area fraction and pressure at the cutoff, and the friction under each sliding rule.
     values: dict[str, float]
     contact_status: str
     # Cutoffs (µm) of all upper and all lower scans.
@@ -266,7 +266,7 @@ class CutoffResult:
 
 @dataclass(frozen=True, eq=False)
 class ResolutionEffect:
-    """Effect of the scan resolution: friction of a measured pair at several cutoffs, and limits for finer scans.
+    """Effect of scan resolution: friction of a measured pair at several cutoffs, and friction limits for finer scans.
 
     Attributes
     ----------
@@ -290,7 +290,7 @@ class ResolutionEffect:
 
 
 def find_resolution_effect(at: xarray.Dataset, study: Study, cutoffs: xarray.Dataset | None) -> ResolutionEffect | None:
-    """Return the effect of the scan resolution: friction at several cutoffs, and limits of friction for finer scans.
+    """Return how friction depends on scan resolution: friction at several cutoffs, and limits for finer scans.
 
     `cutoffs` is the dataset that `evaluate_at_cutoffs` or, for several cutoffs, `Result.at` returned. Without this
     dataset, the function returns None if the roughness of the gap is not known either.
@@ -326,7 +326,7 @@ def _build_cutoff_result(point: xarray.Dataset, study: Study) -> CutoffResult:
 def estimate_yield_wavelengths(
     point: xarray.Dataset, study: Study, resolved_roughness: ResolvedRoughness
 ) -> tuple[YieldWavelengthEstimate, ...]:
-    """Estimate the cutoffs (µm) at which the elastic contact pressure would reach each of several typical hardnesses.
+    """Estimate the cutoffs (µm) at which the elastic contact pressure equals each of several typical hardnesses.
 
     At such a wavelength λ, the elastic mean pressure E* h'(λ)/κ equals the hardness, where κ is the value for this
     result.
@@ -383,7 +383,7 @@ class ResolutionLimits:
 
 
 def find_resolution_limits(points: xarray.Dataset, study: Study) -> ResolutionLimits:
-    """Estimate the limits of friction for finer scans, from friction at several cutoffs for one load, mu0 and tau0."""
+    """Estimate limits of friction for finer scans from friction at several cutoffs, at one load, mu0 and tau0."""
     roughness = find_resolved_roughness(study)
     shortest_cutoff = float(np.min(points["cut_off"].values)) if "cut_off" in points.coords else 0.0
     limits = ResolutionLimits(
@@ -407,7 +407,7 @@ def find_resolution_limits(points: xarray.Dataset, study: Study) -> ResolutionLi
 
 
 def _estimate_friction_from_spectra(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:
-    """Estimate friction in closed form from joined spectra.
+    """Estimate the friction of a pair in closed form, if a body has a spectrum that is joined from several scans.
 
     Returns None if neither body has a joined spectrum.
     """
