@@ -8,6 +8,7 @@ void bind_profile_batch(pybind11::module_& module);
 void bind_harmonics(pybind11::module_& module);
 void bind_jackknife(pybind11::module_& module);
 void bind_asperity(pybind11::module_& module);
+void bind_bilinear(pybind11::module_& module);
 void bind_law(pybind11::module_& module);
 void bind_build(pybind11::module_& module);
 void bind_candidates(pybind11::module_& module);
@@ -29,6 +30,7 @@ PYBIND11_MODULE(_core, module, pybind11::mod_gil_not_used()) {
   stiction::python::bind_harmonics(module);
   stiction::python::bind_jackknife(module);
   stiction::python::bind_asperity(module);
+  stiction::python::bind_bilinear(module);
   stiction::python::bind_law(module);
   stiction::python::bind_candidates(module);
   stiction::python::bind_sums(module);

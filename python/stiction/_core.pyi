@@ -313,6 +313,13 @@ def harmonic_surface(
 ) -> None:
     """Compute a height map by the areal form of Eq. 1, and write it to `heights` (rows, columns) [µm]."""
 
+def interpolate_table(
+    table: typing.Annotated[NDArray[float64], "[m, n]", "flags.c_contiguous"],
+    rows: NDArray[float64],
+    columns: NDArray[float64],
+) -> NDArray[float64]:
+    """Interpolate a table linearly at pairs of fractional row and column indices. Indices outside the table are moved to its edge. The value is NaN if an index is NaN."""
+
 def jackknife_sums(
     loads: NDArray[float64],
     values: NDArray[float64],

@@ -3,7 +3,8 @@ import pytest
 from scipy.ndimage import map_coordinates
 from scipy.optimize import brentq
 from stiction import half_space, hardness_under_shear, self_affine_surface, tabor_friction
-from stiction.mechanics.friction import FrictionLaw, _interpolate_table, _tabulate_limited_pressure_ratios
+from stiction._core import interpolate_table
+from stiction.mechanics.friction import FrictionLaw, _tabulate_limited_pressure_ratios
 
 ROUND_OFF = 1e-12
 
@@ -217,7 +218,7 @@ def test_interpolation_of_hardness_limited_pressures_equals_scipy_interpolation(
     rows, columns = np.random.default_rng(3).uniform(0, [[last_row], [last_column]], (2, 1000))
     rows[:3], columns[:3] = [0, last_row, last_row], [0, 0.5, last_column]
     expected = map_coordinates(table, [rows, columns], order=1, mode="nearest")
-    assert _interpolate_table(table, rows, columns).tobytes() == expected.tobytes()
-    limits = _interpolate_table(table, np.array([-1.0, last_row + 1.0]), np.array([-2.0, last_column + 5.0]))
+    assert interpolate_table(table, rows, columns).tobytes() == expected.tobytes()
+    limits = interpolate_table(table, np.array([-1.0, last_row + 1.0]), np.array([-2.0, last_column + 5.0]))
     assert limits.tolist() == [table[0, 0], table[-1, -1]]
-    assert np.isnan(_interpolate_table(table, np.array([np.nan, 0.0]), np.array([0.0, np.nan]))).all()
+    assert np.isnan(interpolate_table(table, np.array([np.nan, 0.0]), np.array([0.0, np.nan]))).all()

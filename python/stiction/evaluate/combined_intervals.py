@@ -596,11 +596,11 @@ class CombinedIntervals:
         samples = self._sampler.draw_samples(self.inputs, self.names if names is None else names, fixed)
         drifts = {name: deviation for name, deviation in self.drifts.items() if name in samples.scores}
         drift = sum(drift_factor * deviation * samples.scores[name] for name, deviation in drifts.items())
-        creep_factor = 1.0 if samples.creep is None or dwell_time == 1.0 else dwell_time**-samples.creep
         input_values = {
             name: samples.values.get(name, getattr(self.response.central, name)) for name in _RESPONSE_INPUT_NAMES
         }
-        input_values["hardness"] = input_values["hardness"] * creep_factor
+        if samples.creep is not None and dwell_time != 1.0:
+            input_values["hardness"] = input_values["hardness"] * dwell_time**-samples.creep
         height_factor = np.exp(drift) if drifts else 1.0
         inputs = InputValues(
             **input_values, uses_slip_lines=self.response.central.uses_slip_lines, modulus=samples.modulus,

@@ -253,8 +253,9 @@ class ContactResponseToInputs:
             hardness = self.area.contact_hardness(self.load, inputs.hardness, inputs.size_effect)
             onset = OnsetState(law.plastic_coefficient(np.asarray(hardness)), area, np.ones(()))
         # Contacts with tau0 = 0 cannot seize, because their friction does not depend on the area.
-        is_seized = np.isinf(onset.area) & (np.asarray(inputs.tau0) > 0)
-        sliding_area = np.where(np.isinf(onset.area), area, onset.area)
+        is_infinite = np.isinf(onset.area)
+        is_seized = is_infinite & (np.asarray(inputs.tau0) > 0)
+        sliding_area = np.where(is_infinite, area, onset.area)
         area_ratio = inputs.area_ratio * sliding_area / central_area
         coefficient = law.coefficient(self.sums, area_ratio, onset.friction_fraction)
         return ResponseValues(

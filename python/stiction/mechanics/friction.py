@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import stiction._core as _core
 from stiction._checks import Floats, check_callable, check_instance, float_array, validate_number
 from stiction._drawing import draw_contact_area, draw_friction
 from stiction._number_format import format_with_unit
@@ -302,43 +303,12 @@ def _compute_limited_pressure_ratio(limit: Any, mean: Any) -> Floats:
     The fraction is interpolated in a table, with errors below 1e-4.
     """
     table = _tabulate_limited_pressure_ratios()
-    limit, mean = np.broadcast_arrays(limit, mean)
-    fraction, is_limited = np.ones(limit.shape), ~(limit >= 1)
-    limit, mean = limit[is_limited], mean[is_limited]
     positions = (mean - MIN_TABULATED_MEAN_PRESSURE) / (1 - MIN_TABULATED_MEAN_PRESSURE), limit / (limit + mean)
-    rows, columns = (position * (size - 1) for position, size in zip(positions, table.shape, strict=True))
-    fraction[is_limited] = _interpolate_table(table, rows, columns)
-    return fraction
-
-
-def _interpolate_table(table: Floats, rows: Floats, columns: Floats) -> Floats:
-    """Interpolate a table linearly at fractional indices, and move indices outside the table to its edge.
-
-    The value at an index that is NaN is NaN.
-
-    The values have the bits of `scipy.ndimage.map_coordinates`, whose import takes longer than the report of a result.
-    """
-    num_columns = table.shape[1]
-    is_nan = np.isnan(rows) | np.isnan(columns)
-    # `np.fmax` replaces an index that is NaN by 0.
-    rows, columns = (
-        np.fmin(np.fmax(indices, 0.0), size - 1.0) for indices, size in zip((rows, columns), table.shape, strict=True)
+    rows, columns = np.broadcast_arrays(
+        *(position * (size - 1) for position, size in zip(positions, table.shape, strict=True))
     )
-    first_rows, first_columns = (
-        np.minimum(indices, size - 2.0).astype(np.intp)
-        for indices, size in zip((rows, columns), table.shape, strict=True)
-    )
-    upper_weights = rows - first_rows, columns - first_columns
-    row_weights, column_weights = ((1.0 - weights, weights) for weights in upper_weights)
-    entries, first_entries = table.ravel(), first_rows * num_columns + first_columns
-    values = np.zeros(is_nan.shape)
-    for row, column in np.ndindex(2, 2):
-        corner = entries.take(first_entries + (row * num_columns + column))
-        corner *= row_weights[row]
-        corner *= column_weights[column]
-        values += corner
-    values[is_nan] = np.nan
-    return values
+    ratios = _core.interpolate_table(table, rows.ravel(), columns.ravel()).reshape(rows.shape)
+    return np.where(limit >= 1, 1.0, ratios)
 
 
 @lru_cache(maxsize=1)
