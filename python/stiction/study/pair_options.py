@@ -428,7 +428,7 @@ class FormField:
 
 @dataclass(frozen=True)
 class PairOption:
-    """Declaration of an option for a measured pair, from which command line, Python, study file and app are built."""
+    """Declaration of one option of a measured pair, for the command line, Python, study files and the app."""
 
     # Placeholder of an option's value in the help, such as PRESSURE, or an empty text for a switch.
     value: str
@@ -598,7 +598,7 @@ class FileReadingOptions(OptionGroup):
 
 
 class MaterialOptions(OptionGroup):
-    """Options for the elastic constants and the hardness of the bodies.
+    """Options for the materials of the bodies: elastic constants, hardness, yielding, dwell times and adhesion.
 
     Either effective_modulus, or young with poisson, or the names of materials are required.
     """
@@ -677,7 +677,7 @@ class MaterialOptions(OptionGroup):
 
 
 class FrictionOptions(OptionGroup):
-    """Options for the load, the interface and the motion."""
+    """Options for the load, for mu0 and tau0 (or an interface), and for the direction of motion."""
 
     title: ClassVar[str] = "Load and friction"
 

@@ -49,7 +49,7 @@ def evaluate_positions(result: Evaluation, point: xarray.Dataset) -> xarray.Data
 
 
 def evaluate_positions_at_first_load(result: Evaluation) -> xarray.Dataset:
-    """Return the result point at the study's first load, mu0 and tau0, with the coefficient of each member added."""
+    """Return the result point at the study's first load, mu0 and tau0, and add the coefficient of each pair."""
     first_load = float(result.study.friction.load[0])
     points = sort_sliding_rules(result.at_study_loads, result.study).isel(cut_off=0, mu0=0, tau0=0)
     return evaluate_positions(result, points.sel(load=first_load, method="nearest"))

@@ -65,7 +65,7 @@ class ParameterAxis:
 
 
 class ReportGrid:
-    """Loads, mu0 and tau0 that the sliders of a report offer, with groups of members and of directions to average.
+    """Slider positions of a report (loads, mu0, tau0), and the groups of surface pairs and directions to average.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class ReportGrid:
 
     @cached_property
     def member_kinds(self) -> list[MemberKind | None]:
-        """Kinds of members that a report shows separately, the reported kind first; [None] if all are of one kind."""
+        """Kinds of surface pairs that a report shows separately, the reported kind first; [None] for a single kind."""
         if "surrogate" not in self.result.head.coords:
             return [None]
         surrogate = self.result.dataset["surrogate"].values.astype(bool)

@@ -137,7 +137,7 @@ class LinePairs:
         return extract_line(self._choose_row_or_column(body, index, shifted=shifted))
 
     def _choose_row_or_column(self, surface: Surface, index: int, *, shifted: bool = False) -> int:
-        """Return the number of the map row or column that forms the line of the pair with a given index.
+        """Return the number of the row or column that a map contributes to the line pair with a given index.
 
         Every line is used once before a line is used again.
         """
@@ -503,7 +503,7 @@ class IsotropicSurfacePairs(SquarePiecePairs):
 
 
 def to_joined_spectrum(scan: Profile | Surface | JoinedSpectrum) -> JoinedSpectrum:
-    """Return the isotropic spectrum of a scan at its reliable wavelengths, or a given spectrum unchanged."""
+    """Return the isotropic spectrum of a scan at its reliable wavelengths; return a joined spectrum unchanged."""
     return scan if isinstance(scan, JoinedSpectrum) else joined_spectrum([scan], names=["one scan"])
 
 

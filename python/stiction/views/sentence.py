@@ -281,7 +281,7 @@ def result_point_note(point: PointSummary) -> str:
 
 
 def shared_conditions_text(points: Sequence[PointSummary]) -> str:
-    """Return the conditions that all result points share as text: inputs, averaged members, and assumptions."""
+    """Return the conditions that all result points share as text: inputs, averaged surface pairs, and assumptions."""
     inputs = [inputs_text(point, points).split(", ") for point in points]
     common_inputs = [text for text in inputs[0] if all(text in other_inputs for other_inputs in inputs)]
     common_inputs_note = f"with {', '.join(common_inputs)}; " if common_inputs else ""
@@ -291,7 +291,7 @@ def shared_conditions_text(points: Sequence[PointSummary]) -> str:
 
 
 def _averaged_members_text(point: PointSummary) -> str:
-    """Return the number and kind of the averaged members as text, as in "8 positions"."""
+    """Return the number and kind of the averaged surface pairs as text, as in "8 positions"."""
     study = point.study
     # If a study of maps has positions and surrogates, a result point averages only the positions.
     names = study.member_names if study.surfaces.press != "areas" else POSITION_NAMES
@@ -304,7 +304,7 @@ PROFILE_STRIP_TEXT = "a strip 1 µm wide"
 
 
 def lay_assumption(study: Study) -> str:
-    """Return as text the lay that is assumed for measured profiles or surrogates, or "" for other surfaces."""
+    """Return the lay that is assumed for measured profiles or surrogates as text, or "" for other surfaces."""
     if not study.is_measured:
         return ""
     if study.surfaces.press == "lines":

@@ -98,7 +98,7 @@ def _read_variable(test: xarray.Dataset, name: str, dimension: str, index: int) 
 
 
 def headline_estimates(test: xarray.Dataset) -> dict[str, Estimate]:
-    """Return the peak and the final coefficient of a shear test, and displacement, dilation and stress at the peak."""
+    """Return peak and final friction coefficient of a shear test, and displacement, dilation and stress at the peak."""
     attributes = test.attrs
     return {
         name: Estimate(

@@ -123,7 +123,7 @@ def main_values_text(
     max_lines: int | None = None,
     complete_command: str = COMPLETE_OUTPUT_METHOD,
 ) -> str:
-    """Return a result as text for a terminal, except the cutoff study and the onset of sliding."""
+    """Return a result as text for a terminal, without the cutoff study and the onset of sliding."""
     if summary.no_points_reason:
         return no_values_text(summary)
     points = summary.reported_points

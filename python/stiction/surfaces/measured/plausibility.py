@@ -376,7 +376,7 @@ def _find_excessive_height_range(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _find_contradicted_height_range(scan: ScannedHeights) -> Iterator[str]:
-    """Report a height range much larger than the declared range, or smaller by a power of 1000 (probably a wrong unit).
+    """Report a height range far above the declared range, or below it by a power of 1000 (probably a wrong unit).
 
     A declared range that is larger by any other factor may be the measuring range of the instrument.
     """

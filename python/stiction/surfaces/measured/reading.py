@@ -416,7 +416,7 @@ def _interpret_file(
 
 
 def _read_content(path: Path, words: tuple[str, ...]) -> ReaderResult:
-    """Read a file with the reader for the file name extension and for the first bytes of the file."""
+    """Read a file with the reader that suits the file name extension and the first bytes of the file."""
     suffix = path.suffix.lower()
     try:
         check_is_file(path)

@@ -33,7 +33,7 @@ from stiction.views.style import COLOUR_RANGE_QUANTILES
 def generated_report_content(
     data: GeneratedReportData, values: GeneratedReportValues | None, name: str
 ) -> ReportContent:
-    """Return the content of a report on generated surfaces.
+    """Return the title, texts and script data of a report on generated surfaces.
 
     The default title is the name of the study.
 

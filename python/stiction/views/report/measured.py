@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
 
 def measured_report_content(data: MeasuredReportData, values: MeasuredReportValues, name: str) -> ReportContent:
-    """Return the content of a report on measured surfaces.
+    """Return the title, texts and script data of a report on measured surfaces.
 
     The title contains the file names.
     """
