@@ -222,6 +222,59 @@ def test_uncertainty_of_a_hardness_shared_by_all_pairs_cancels_in_the_prediction
     assert result_in_other_unit.interval == pytest.approx(shared_result.interval, rel=1e-6)
 
 
+def test_two_ranges_of_one_hardness_give_the_interval_of_the_narrower_range(tmp_path) -> None:
+    def press_pair(rms: float, hardness: str) -> Any:
+        return pair(*rough_surface_pair(rms), hardness=hardness, yield_exponent=1.15, **PAIR_OPTIONS)
+
+    def fit_law(hardness: str) -> Any:
+        tests = [FrictionTest(press_pair(0.05, hardness), "20 MPa", coefficient=0.25, uncertainty=0.002)] * 4
+        return calibrate(tests, common=0.0, sliding="all", mu0=0.1)
+
+    law, narrow_law = fit_law("1 GPa ± 10 %"), fit_law("1 GPa ± 2 %")
+    hardnesses = ("1 GPa ± 10 %", "1 GPa ± 2 %", "1 GPa", "1 GPa ± 20 %", "1.01 GPa ± 2 %")
+    targets = {text: press_pair(0.02, text) for text in hardnesses}
+    intervals = {text: np.array(law.predict(target, "20 MPa")) for text, target in targets.items()}
+    widths = {text: np.ptp(interval[1:]) for text, interval in intervals.items()}
+    assert max(widths[text] for text in ("1 GPa ± 2 %", "1 GPa", "1 GPa ± 20 %")) < 1.03 * widths["1 GPa ± 10 %"]
+    assert widths["1.01 GPa ± 2 %"] > 1.3 * widths["1 GPa ± 10 %"]
+    # A fit with the narrower range gives the same interval.
+    expected = np.array(narrow_law.predict(targets["1 GPa ± 2 %"], "20 MPa"))
+    assert intervals["1 GPa ± 2 %"] == pytest.approx(expected, abs=0.05 * np.ptp(expected[1:]))
+    # The pair with this interface gives the same interval, and a caveat with both ranges.
+    write_interface(law, tmp_path / "film")
+    options = {name: value for name, value in PAIR_OPTIONS.items() if name not in ("mu0", "tau0")}
+    for text, target in targets.items():
+        result = pair(
+            *rough_surface_pair(0.02), hardness=text, yield_exponent=1.15, interface=tmp_path / "film", **options
+        )
+        assert result.interval == pytest.approx(tuple(law.predict(target, "20 MPa")[1:]), rel=1e-6)
+        caveats = [caveat for caveat in result.caveats if "in the tests of the interface" in caveat.text]
+        assert len(caveats) == (text != "1 GPa ± 10 %")
+        if caveats:
+            assert f"the hardness is {text}, but 1 GPa ± 10 % in the tests" in caveats[0].text
+            assert ("one quantity" in caveats[0].text) == (text != "1.01 GPa ± 2 %")
+            assert result.assessment != "Quote it"
+
+
+def test_narrower_modulus_of_a_ball_applies_to_its_tests_as_in_a_fit_with_this_range() -> None:
+    def fit_law(modulus: str) -> Any:
+        ball = Ball("5 mm", modulus)
+        return calibrate(
+            [
+                FrictionTest(ball, test.load, coefficient=test.coefficient, uncertainty=test.uncertainty)
+                for test in simulate_ball_tests()
+            ],
+            common=0.0,
+        )
+
+    target = Ball("0.5 mm", "3 GPa ± 3 %")
+    law, narrow_law = fit_law("3 GPa ± 10 %"), fit_law("3 GPa ± 3 %")
+    expected = narrow_law.predict(target, "10 mN")
+    assert law.predict(target, "10 mN") == pytest.approx(expected, abs=0.05 * np.ptp(expected[1:]))
+    independent_target = Ball("0.5 mm", "3.01 GPa ± 3 %")
+    assert np.ptp(law.predict(independent_target, "10 mN")[1:]) > 1.5 * np.ptp(expected[1:])
+
+
 def test_friction_tests_at_several_dwell_times_separate_mu0_from_tau0() -> None:
     rough_result = pair(
         *rough_surface_pair(0.03), hardness="0.8 GPa", junction_growth=0, wait=["1 s", "300 d"], creep=0.05,

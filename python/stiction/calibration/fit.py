@@ -28,6 +28,7 @@ from stiction.mechanics.friction import LOAD_SUM_NAMES, FrictionLaw
 from stiction.mechanics.model import SlidingRule
 from stiction.study.input_distributions import (
     UncertainInput,
+    compute_effective_sample_size,
     generate_sobol_points,
     parse_uncertain_input,
     select_by_weight,
@@ -760,7 +761,7 @@ class CalibrationProblem:
         )
         for seed in range(1, MAX_PROPOSAL_ROUNDS if active_indices else 0):
             if (
-                _compute_effective_sample_size(log_weight)
+                compute_effective_sample_size(log_weight)
                 > MIN_EFFECTIVE_SAMPLE_FRACTION * NUM_NUISANCE_POINTS_PER_ROUND
             ):
                 break
@@ -768,7 +769,7 @@ class CalibrationProblem:
             weight_exponent = 1.0
             while (
                 weight_exponent > 1e-3
-                and _compute_effective_sample_size(weight_exponent * log_weight) < 0.15 * NUM_NUISANCE_POINTS_PER_ROUND
+                and compute_effective_sample_size(weight_exponent * log_weight) < 0.15 * NUM_NUISANCE_POINTS_PER_ROUND
             ):
                 weight_exponent *= 0.7
             weight = np.exp(weight_exponent * (log_weight - log_weight.max()))
@@ -786,7 +787,7 @@ class CalibrationProblem:
                 mean, covariance, active_indices, num_points, MAX_PROPOSAL_ROUNDS
             )
             if (
-                _compute_effective_sample_size(log_weight)
+                compute_effective_sample_size(log_weight)
                 > min(MIN_EFFECTIVE_SAMPLES, MIN_EFFECTIVE_SAMPLE_FRACTION * num_points)
                 or num_points >= MAX_NUISANCE_POINTS
             ):
@@ -1015,9 +1016,3 @@ def _find_tau0_range_at_fixed_mu0(
     half_width = np.sqrt(deviance_range / curvature)
     low = np.maximum(centre - half_width, 0.0)
     return low, np.maximum(centre + half_width, low + half_width)
-
-
-def _compute_effective_sample_size(log_weight: Floats) -> float:
-    """Return the effective number of weighted samples, (Σw)²/Σw², from the logarithms of the weights w."""
-    weight = np.exp(log_weight - log_weight.max())
-    return float(weight.sum() ** 2 / (weight**2).sum())

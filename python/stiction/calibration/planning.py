@@ -138,8 +138,6 @@ def _reweight(fit: StrengthFit, areas_per_load: Floats, expected: Floats, error:
     """
     predicted = FrictionLaw(fit.mu0[:, np.newaxis], fit.tau0[:, np.newaxis]).force(1.0, areas_per_load)
     log_weights = -0.5 * (((predicted - expected) / error) ** 2).sum(axis=1)
-    indices = select_by_weight(np.cumsum(np.exp(log_weights - log_weights.max())), log_weights.size, 0.5)
-    sample_names = ("mu0", "tau0", "hardness", "junction_growth", "area_per_load")
-    columns: dict[str, Any] = {sample_name: getattr(fit, sample_name)[indices] for sample_name in sample_names}
-    columns["scores"] = {nuisance_name: scores[indices] for nuisance_name, scores in fit.scores.items()}
-    return replace(fit, **columns)
+    return fit.select_samples(
+        select_by_weight(np.cumsum(np.exp(log_weights - log_weights.max())), log_weights.size, 0.5)
+    )

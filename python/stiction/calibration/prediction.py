@@ -21,6 +21,7 @@ from stiction.study.interfaces import (
     area_error_name,
     cover_credible_intervals,
 )
+from stiction.study.shared_inputs import apply_ranges_of_pair, find_shared_inputs
 
 
 class Interface(InterfaceStrength):
@@ -64,9 +65,9 @@ class Interface(InterfaceStrength):
         (float, float, float)
             Coefficient, lower limit and upper limit. For measured bodies, these are the numbers that `pair` gives with
             this interface, which covers unresolved roughness and positions too. Inputs that affected the tests, such as
-            the hardness of the same material, have the same error in the tests and here. If the interface was
-            calibrated on this pair, errors of its true area cancel. The upper limit is infinite if the interface may be
-            stronger than the softer body.
+            the hardness of the same material, have the same error in the tests and here; of two ranges with the same
+            central value, the narrower one applies. If the interface was calibrated on this pair, errors of its true
+            area cancel. The upper limit is infinite if the interface may be stronger than the softer body.
 
         Warns
         -----
@@ -107,6 +108,10 @@ class Interface(InterfaceStrength):
             if not any(map(math.isnan, combined)):
                 return combined
 
+        shared_inputs = (
+            {} if area_factor is None else find_shared_inputs(self, area_factor.uncertain_inputs, area_factor.surfaces)
+        )
+
         def compute_coefficients(fit: StrengthFit) -> tuple[Floats, Floats]:
             """Return samples of the coefficient and of its upper limit, infinite if the softer body shears."""
             # A parameter that also affects the fitted tests keeps its samples from the fit.
@@ -115,16 +120,16 @@ class Interface(InterfaceStrength):
             total_area = np.exp(test_sums.scatter * scores[area_error])
             if area_factor is not None:
                 samples = area_factor.input_values({name: ndtr(scores[name]) for name in area_factor.nuisance_names})
+                samples |= {name: shared_input.sample(fit) for name, shared_input in shared_inputs.items()}
                 area, friction_fraction = area_factor.onset_area_and_friction_factors(samples, law)
                 total_area = total_area * area
             values = law.coefficient(test_sums.sums, np.where(fit.tau0 > 0, total_area, 1.0), friction_fraction)
             values = np.where(np.isfinite(values), values, np.inf)
             return values, np.where(friction_fraction < 1, np.inf, values)
 
-        coefficients, upper_coefficients = zip(
-            *(compute_coefficients(each) for each, _ in self.sampled_fits), strict=True
-        )
-        coverages = [coverage for _, coverage in self.sampled_fits]
+        sampled_fits = apply_ranges_of_pair(self, shared_inputs).sampled_fits
+        coefficients, upper_coefficients = zip(*(compute_coefficients(each) for each, _ in sampled_fits), strict=True)
+        coverages = [coverage for _, coverage in sampled_fits]
         median, lower_limit, _ = cover_credible_intervals(list(zip(coefficients, coverages, strict=True)))
         _, _, upper_limit = cover_credible_intervals(list(zip(upper_coefficients, coverages, strict=True)))
         return median, lower_limit, upper_limit

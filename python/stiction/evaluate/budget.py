@@ -38,13 +38,8 @@ from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, Alternat
 from stiction.solve.layout import arrange_axes, share_read_only
 from stiction.solve.member_sums import MemberSums
 from stiction.study.inputs import Inputs, StudyInput
-from stiction.study.interfaces import (
-    InterfaceStrength,
-    ValueWithLimits,
-    area_error_name,
-    round_median_strength,
-    shared_input_name,
-)
+from stiction.study.interfaces import InterfaceStrength, ValueWithLimits, area_error_name, round_median_strength
+from stiction.study.shared_inputs import apply_ranges_of_pair, find_shared_inputs
 from stiction.surfaces.pairing import SIDES
 
 if TYPE_CHECKING:
@@ -318,22 +313,19 @@ def find_inputs_and_strengths(
     """Return a study's uncertain inputs and, for a calibrated interface, joint samples of mu0, tau0 and inputs.
 
     The joint samples contain each input that also affected the tests of the interface, because its error is the same in
-    the tests and in the pair. Without an interface, there are no samples. If given, `strength` replaces the interface
-    of the inputs. `pair_checksum` identifies the pair among the tested pairs.
+    the tests and in the pair. If both give the input ranges with the same central value, the narrower range applies.
+    Without an interface, there are no samples. If given, `strength` replaces the interface of the inputs.
+    `pair_checksum` identifies the pair among the tested pairs.
     """
     inputs = {name: study_input for name, study_input in study_inputs.uncertain.items() if name != "creep"}
     if (interface := strength or study_inputs.strength) is None:
         return inputs, []
-    from scipy.special import ndtr
-
-    score_names = {name: shared_input_name(name, entry.estimate, pair_checksum) for name, entry in inputs.items()}
+    estimates = {name: entry.estimate for name, entry in study_inputs.entries.items()}
+    shared_inputs = find_shared_inputs(interface, estimates, pair_checksum)
     strengths = []
-    for fit, coverage in interface.sampled_fits:
-        shared = {
-            name: inputs[name].estimate.quantile(ndtr(fit.scores[score_name]))
-            for name, score_name in score_names.items()
-            if score_name in fit.scores
-        }
+    for fit, coverage in apply_ranges_of_pair(interface, shared_inputs).sampled_fits:
+        # An input that is exact in the pair keeps its value.
+        shared = {name: shared_inputs[name].sample(fit) for name in inputs if name in shared_inputs}
         area_scores = fit.scores.get(area_error_name(pair_checksum))
         strengths.append(JointSamples(fit.mu0, fit.tau0, shared, area_scores, coverage))
     replaced_names = {"mu0", "tau0", *strengths[0].inputs}

@@ -382,6 +382,12 @@ def select_by_weight(cumulative_weights: Floats, count: int, offset: float) -> N
     return indices
 
 
+def compute_effective_sample_size(log_weight: Floats) -> float:
+    """Return the effective number of samples from the logarithms of their weights."""
+    weight = np.exp(log_weight - log_weight.max())
+    return float(weight.sum() ** 2 / (weight**2).sum())
+
+
 def draw_input_samples(inputs: Mapping[str, UncertainInput]) -> dict[str, Floats]:
     """Draw `NUM_INPUT_SAMPLES` independent samples of each input from the input's distribution, by input name."""
     points = generate_stratified_points(len(inputs))

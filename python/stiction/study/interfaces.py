@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
 from stiction._checks import Floats, check_callable, check_choice, check_instance, parse_path, validate_number
@@ -150,6 +151,15 @@ class StrengthFit:
     # Fits to the same tests with mu0 = 0 or tau0 = 0. The key is the name of the coefficient that is 0.
     # A fit is missing if the tests exclude 0, or if only the other coefficient was fitted.
     fits_at_bounds: Mapping[str, StrengthFit] = field(default_factory=dict)
+
+    def select_samples(self, indices: NDArray[np.intp]) -> StrengthFit:
+        """Return the same fit with the joint samples that have the given indices; an index may be repeated.
+
+        The fits at bounds are kept unchanged.
+        """
+        sample_names = ("mu0", "tau0", "hardness", "junction_growth", "area_per_load")
+        columns: dict[str, Any] = {name: getattr(self, name)[indices] for name in sample_names}
+        return replace(self, **columns, scores={name: scores[indices] for name, scores in self.scores.items()})
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,195 @@
+"""Inputs that a pair shares with the friction tests of its interface, and the ranges that both give to an input.
+
+The tests and the pair give the same range to most shared inputs, such as the hardness of a material. If the ranges
+differ but have the same central value, they are two statements about one quantity, and the narrower range applies.
+Ranges with different central values belong to two quantities, whose errors are independent.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from stiction._checks import Floats
+from stiction.study.input_distributions import Z_95, UncertainInput, compute_effective_sample_size, select_by_weight
+from stiction.study.interfaces import InterfaceStrength, StrengthFit, shared_input_name
+
+MAX_CENTRAL_DIFFERENCE = 1e-3
+"""Relative difference up to which two central values are equal; the limits of the tested ranges have four digits."""
+
+MIN_CONDITIONED_SAMPLES = 500.0
+"""Smallest effective number of samples that a range of the pair may leave of the samples of an interface.
+
+With fewer samples, the limits of intervals would be random by more than about a twentieth of the width. A range that is
+much narrower than that of the tests is therefore widened, to about a tenth of the width that it has in the tests.
+"""
+
+MAX_CONDITIONED_FRACTION = 0.4
+"""Largest fraction of all samples that must be left, for interfaces with few samples."""
+
+WEIGHT_EXPONENT_STEP = 0.9
+# Half width of the distribution that stands for an exact number, relative to this number.
+RELATIVE_WIDTH_OF_EXACT_NUMBER = 1e-6
+# Distance over which a uniform density falls to zero outside its range, relative to the half width of the range.
+RELATIVE_EDGE_WIDTH = 0.01
+
+INPUTS_COMPARED_ELSEWHERE = ("mu0", "tau0", "junction_growth", "creep")
+"""Inputs whose ranges are not compared here: the interface defines them, or has its own rule for them."""
+
+_RANGE_PATTERN = re.compile(r"(normal|log-normal|uniform) (\S+?)\.\.(\S+)")
+
+
+@dataclass(frozen=True)
+class SharedInput:
+    """Input of a pair that the tests of its interface also have, with the ranges of the tests and of the pair.
+
+    Attributes
+    ----------
+    score_name : str
+        Name of the samples of the input in `StrengthFit.scores`.
+    tested : UncertainInput
+        Distribution of the input in the tests.
+    stated : UncertainInput
+        Distribution of the input in the pair; it may be exact.
+    """
+
+    score_name: str
+    tested: UncertainInput
+    stated: UncertainInput
+
+    @property
+    def has_equal_ranges(self) -> bool:
+        """True if the tests and the pair give the input the same distribution."""
+        return self.tested.distribution_text == self.stated.distribution_text
+
+    @property
+    def is_one_quantity(self) -> bool:
+        """True if the central values are equal, so that both ranges describe one quantity."""
+        return math.isclose(self.tested.value, self.stated.value, rel_tol=MAX_CENTRAL_DIFFERENCE)
+
+    @property
+    def has_overlapping_ranges(self) -> bool:
+        """True if some values of the input are within both ranges."""
+        return self.tested.low <= self.stated.high and self.stated.low <= self.tested.high
+
+    @property
+    def is_narrower_in_pair(self) -> bool:
+        """True if the range of the pair is narrower than that of the tests."""
+        return self.stated.high - self.stated.low < self.tested.high - self.tested.low
+
+    def sample(self, fit: StrengthFit) -> Floats:
+        """Return the value of the input (GPa, or dimensionless) for each sample of mu0 and tau0."""
+        from scipy.special import ndtr
+
+        return self.tested.quantile(ndtr(fit.scores[self.score_name]))
+
+
+def compare_ranges(
+    strength: InterfaceStrength, estimates: Mapping[str, UncertainInput], pair_checksum: str = ""
+) -> dict[str, SharedInput]:
+    """Return the inputs of a pair that the tests of an interface also have, by name, with both ranges.
+
+    `estimates` contains the distributions of the inputs of the pair, which may be exact. `pair_checksum` identifies the
+    pair among the tested pairs. If the tests have several ranges of an input, the range that equals that of the pair is
+    returned, or the narrowest range with the same central value, or the narrowest range.
+    """
+    scores, shared_inputs = strength.fits[0].scores, {}
+    for name, stated in estimates.items():
+        score_name = shared_input_name(name, stated, pair_checksum)
+        if score_name in scores:
+            shared_inputs[name] = SharedInput(score_name, stated, stated)
+        elif name not in INPUTS_COMPARED_ELSEWHERE:
+            candidates = _find_tested_ranges(scores, name, stated, pair_checksum)
+            best = min(
+                candidates,
+                key=lambda each: (not each.is_one_quantity, each.tested.high - each.tested.low),
+                default=None,
+            )
+            shared_inputs |= {} if best is None else {name: best}
+    return shared_inputs
+
+
+def find_shared_inputs(
+    strength: InterfaceStrength, estimates: Mapping[str, UncertainInput], pair_checksum: str = ""
+) -> dict[str, SharedInput]:
+    """Return the inputs of a pair that are the same quantities as in the tests of an interface, by name.
+
+    The arguments are those of `compare_ranges`.
+    """
+    shared_inputs = compare_ranges(strength, estimates, pair_checksum)
+    return {name: each for name, each in shared_inputs.items() if each.has_equal_ranges or each.is_one_quantity}
+
+
+def _find_tested_ranges(
+    scores: Mapping[str, Floats], name: str, stated: UncertainInput, pair_checksum: str
+) -> Iterator[SharedInput]:
+    """Yield the ranges that the tests give to an input, from the names of the scores."""
+    suffix = f" of {pair_checksum}" if name == "area_loss" else ""
+    for score_name in scores:
+        text = score_name.removeprefix(f"{name} ")
+        if text == score_name or not text.endswith(suffix):
+            continue
+        if match := _RANGE_PATTERN.fullmatch(text.removesuffix(suffix)):
+            distribution: Any = match[1]
+            low, high = float(match[2]), float(match[3])
+            value = math.sqrt(low * high) if distribution == "log-normal" else 0.5 * (low + high)
+            tested = replace(
+                stated, value=value, low=low, high=high, distribution=distribution, text=f"{match[2]}..{match[3]}"
+            )
+            yield SharedInput(score_name, tested, stated)
+
+
+def apply_ranges_of_pair(strength: InterfaceStrength, shared_inputs: Mapping[str, SharedInput]) -> InterfaceStrength:
+    """Return an interface whose first fit has the ranges of a pair, where they are narrower than those of the tests.
+
+    Samples are selected in proportion to the ratio of the new to the old density of the inputs. They are then samples
+    of the fit that the same tests would have given with the range of the pair.
+    """
+    narrower_inputs = [
+        each for each in shared_inputs.values() if not each.has_equal_ranges and each.is_narrower_in_pair
+    ]
+    if not narrower_inputs:
+        return strength
+
+    def apply_to(fit: StrengthFit) -> StrengthFit:
+        log_weights = np.zeros(fit.mu0.size)
+        for shared_input in narrower_inputs:
+            values = shared_input.sample(fit)
+            log_weights += _compute_log_density(shared_input.stated, values)
+            log_weights -= _compute_log_density(shared_input.tested, values)
+        log_weights = _limit_weights(log_weights)
+        cumulative_weights = np.cumsum(np.exp(log_weights - log_weights.max()))
+        return fit.select_samples(select_by_weight(cumulative_weights, log_weights.size, 0.5))
+
+    fit = strength.fits[0]
+    fits_at_bounds = {name: apply_to(fit_at_bound) for name, fit_at_bound in fit.fits_at_bounds.items()}
+    return replace(strength, fits=(replace(apply_to(fit), fits_at_bounds=fits_at_bounds),))
+
+
+def _compute_log_density(estimate: UncertainInput, values: Floats) -> Floats:
+    """Return the natural logarithm of the probability density of an input at given values, up to a constant.
+
+    The density of an exact number is that of a very narrow normal distribution. A uniform density falls to zero over a
+    small distance, so that its logarithm is finite everywhere.
+    """
+    half_width = max(0.5 * (estimate.high - estimate.low), RELATIVE_WIDTH_OF_EXACT_NUMBER * estimate.value)
+    if estimate.distribution == "uniform":
+        distance = np.maximum(np.abs(values - estimate.value) - half_width, 0.0)
+        return np.asarray(-0.5 * (distance / (RELATIVE_EDGE_WIDTH * half_width)) ** 2)
+    if estimate.distribution == "log-normal":
+        scores = 2 * Z_95 * np.log(values / estimate.value) / math.log(estimate.high / estimate.low)
+        return np.asarray(-0.5 * scores**2 - np.log(values))
+    return np.asarray(-0.5 * (Z_95 * (values - estimate.value) / half_width) ** 2)
+
+
+def _limit_weights(log_weights: Floats) -> Floats:
+    """Raise weights to a power below 1 until the effective number of samples is large enough."""
+    min_samples = min(MIN_CONDITIONED_SAMPLES, MAX_CONDITIONED_FRACTION * log_weights.size)
+    while compute_effective_sample_size(log_weights) < min_samples:
+        log_weights = WEIGHT_EXPONENT_STEP * log_weights
+    return log_weights
