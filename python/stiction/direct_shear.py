@@ -44,6 +44,7 @@ from stiction.study.inputs import Inputs
 from stiction.study.interfaces import InterfaceStrength
 from stiction.study.pair_options import validate_option_values
 from stiction.study.pair_study import MeasuredPair
+from stiction.summary.interface_caveats import find_interface_caveats
 from stiction.summary.joint_table import DEFAULT_JOINT_UNITS, UnitSystem
 from stiction.surfaces.joint_roughness import measure_joint_roughness
 from stiction.surfaces.measured.writing import write_profile, write_surface
@@ -429,7 +430,7 @@ def _compute_shear_tests(
     return test.assign_attrs(
         mu0=inputs.entries["mu0"].estimate.short_text, tau0=inputs.entries["tau0"].text,
         interface=setup.interface_name,
-        **({} if setup.strength is None else {"interface_rule": setup.strength.fits[0].sliding}),
+        **_describe_interface(setup),
         direction_deg=box.direction, load_mN=box.load,
         normal_stress_GPa=box.load / area, normal_stiffness_GPa_per_um=box.stiffness / area,
         effective_modulus_GPa=box.effective_modulus, hardness_GPa=math.nan if box.hardness is None else box.hardness,
@@ -439,6 +440,16 @@ def _compute_shear_tests(
         maximum_closure_um=law.maximum_closure, closure_misfit=law.misfit,
         fit_correlation=correlate_facing_slopes(*box.faces_at(offsets[0])), **_describe_roughness(box),
     )  # fmt: skip
+
+
+def _describe_interface(setup: _ShearTestSetup) -> dict[str, str]:
+    """Return the sliding rule of a calibrated interface, and its caveats on one line each, as dataset attributes."""
+    if setup.strength is None:
+        return {}
+    caveats = find_interface_caveats(setup.strength, setup.interface_name, setup.inputs)
+    lines = [f"{caveat.text}; {caveat.remedy}" for caveat in caveats]
+    rule = {"interface_rule": setup.strength.fits[0].sliding}
+    return rule | ({"interface_caveats": "\n".join(lines)} if lines else {})
 
 
 def _shears_before_sliding(box: ShearBox) -> int:

@@ -495,6 +495,20 @@ def test_understated_errors_of_friction_tests_are_scaled_up() -> None:
     assert calibrate(tests, sliding="all").fits[0].scale == 1.0
 
 
+@pytest.mark.parametrize(("factor", "entry"), [(0.5, ""), (1.2, "quote with care"), (20.0, "do not quote")])
+def test_calibration_stores_a_caveat_if_the_tests_contradict_the_fitted_law(tmp_path, factor, entry) -> None:
+    # The residuals alternate, so that they do not vary with the load.
+    tests = [
+        FrictionTest(BALL, load, coefficient=y * (1 + 0.03 * factor * (-1) ** index), uncertainty=0.02 * y)
+        for index, load in enumerate(LOADS)
+        for y in [MU0 + TAU0 * BALL.area_per_load(load)]
+    ]
+    write_interface(calibrate(tests, sliding="all"), tmp_path / "film")
+    about = read_interface(tmp_path / "film").about
+    assert [name for name in ("quote with care", "do not quote") if name in about] == ([entry] if entry else [])
+    assert not entry or "its tests deviate from it by more than their errors allow (probability " in about[entry]
+
+
 def test_unknown_uncertainties_of_friction_tests_are_estimated_from_their_scatter() -> None:
     tests = simulate_ball_tests(seed=4)
     tests_without_errors = [FrictionTest(BALL, test.load, coefficient=test.coefficient) for test in tests]

@@ -185,6 +185,8 @@ def test_calibrate_command_reports_caveats_and_lay_of_the_tested_pairs(tmp_path)
     record = json.loads(check_stiction(*arguments, "0.1 MPa", "--json", cwd=tmp_path).stdout)
     assert fault.text in record["pair_caveats"][0]
     assert len(record["lays"]) == 1
+    check_stiction(*arguments, "0.1 MPa", "-o", "law", cwd=tmp_path, without_figures=True)
+    assert fault.text in read_interface(tmp_path / "law").about["do not quote"]
     (tmp_path / "grooves").rename(tmp_path / "target")
     ball = ("calibrate", "--ball", "1 mm", "--effective-modulus", "80 GPa", "--measured", "0.25±0.01", "--load", "1 mN")
     record = json.loads(check_stiction(*ball, "--target", "target", "--json", cwd=tmp_path).stdout)

@@ -133,6 +133,15 @@ def test_pair_function_samples_mu0_and_tau0_of_an_interface_jointly(film_file, r
     assert "interface film (measured, friction at all contacts)" in result.sentence
 
 
+@pytest.mark.parametrize(("entry", "severity"), [("quote with care", "caution"), ("do not quote", "fault")])
+def test_caveats_in_an_interface_file_apply_to_pairs_with_this_interface(tmp_path, film_file, entry, severity) -> None:
+    write_interface(interface(film_file), tmp_path / "film", {entry: "rough at 1 mN: few contacts"})
+    result = pair(*rough_surfaces(), interface=tmp_path / "film", **PAIR_OPTIONS)
+    (caveat,) = [caveat for caveat in result.caveats if caveat.text == "interface film: rough at 1 mN: few contacts"]
+    assert caveat.severity == severity
+    assert result.assessment != "Quote it"
+
+
 def test_result_marks_the_coefficient_for_the_other_sliding_rule_than_that_of_its_interface(
     result, opposing_result
 ) -> None:

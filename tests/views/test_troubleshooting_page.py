@@ -4,10 +4,13 @@ import re
 from pathlib import Path
 
 import numpy as np
-from stiction import Profile, Surface, flipped, self_affine
+from stiction import Ball, FrictionTest, Profile, Surface, calibrate, flipped, self_affine
 from stiction.mechanics.friction import STATUS_OK, STATUSES
+from stiction.study.input_distributions import parse_input_value
+from stiction.study.inputs import Inputs
 from stiction.study.measured_bodies import MeasuredBodySettings
 from stiction.summary.input_caveats import find_input_caveats, find_scan_caveats
+from stiction.summary.interface_caveats import find_interface_caveats
 from stiction.summary.summary import summarize
 from support.rough_surfaces import rough_maps, self_affine_map
 from support.synthetic_results import measured_result, measured_study
@@ -80,13 +83,33 @@ def list_mirror_caveats():
     return find_input_caveats(upper, lower, study)
 
 
+def list_law_caveats():
+    """Return the caveats of friction laws that disagree with their tests, and of pairs with other ranges of E*."""
+    ball = Ball("5 mm", "3 GPa ± 10 %")
+    loads = np.geomspace(5.0, 2000.0, 8)
+    # The friction of the law never rises with the load.
+    coefficients_of_laws = 0.2 + 0.05 * (-1.0) ** np.arange(8), 0.2 * loads**0.1
+    laws = [
+        calibrate([FrictionTest(ball, load, y, uncertainty=0.02 * y) for load, y in zip(loads, values, strict=True)])
+        for values in coefficients_of_laws
+    ]
+    pairs = [
+        Inputs.from_values({"effective_modulus": parse_input_value("effective_modulus", text)})
+        for text in ("3 GPa ± 2 %", "3.1 GPa ± 2 %")
+    ]
+    return [caveat for law in laws for inputs in pairs for caveat in find_interface_caveats(law, "film", inputs)]
+
+
 def test_troubleshooting_page_explains_every_status_of_results_without_a_coefficient():
     assert sorted(list_first_cells("status")) == sorted(f"`{status}`" for status in STATUSES if status != STATUS_OK)
 
 
 def test_caveats_quoted_on_the_troubleshooting_page_are_printed_by_the_program(monkeypatch):
     monkeypatch.setattr(MeasuredBodySettings, "caveats", ())  # the files of `measured_study` do not exist
-    texts = [caveat.text for caveat in (*list_result_caveats(), *list_scan_caveats(), *list_mirror_caveats())]
+    texts = [
+        caveat.text
+        for caveat in (*list_result_caveats(), *list_scan_caveats(), *list_mirror_caveats(), *list_law_caveats())
+    ]
     quotes = [quote for cell in list_first_cells("caveat") for quote in cell.split("; or: ")]
     assert len(quotes) > 20
     unknown_quotes = [

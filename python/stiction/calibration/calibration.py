@@ -9,7 +9,7 @@ varies among the tests.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Literal
 
 from stiction._arguments import MAX_INPUT_NUMBER
@@ -20,15 +20,20 @@ from stiction.calibration.friction_tests import Ball, FrictionTest, list_sliding
 from stiction.calibration.prediction import Interface
 from stiction.mechanics.model import SlidingRule
 from stiction.study.interfaces import (
+    CAUTIONS_HEADER_ENTRY,
     ERROR_SCALING_P_VALUE_LIMIT,
     EXCLUSION_P_VALUE_LIMIT,
+    FAULTS_HEADER_ENTRY,
     HARDNESS_HEADER_ENTRY,
     JUNCTION_GROWTH_HEADER_ENTRY,
     SLIDING_RULES,
+    StrengthFit,
 )
 
 # Minimum number of tests with sliding from which the errors of the tests can be estimated.
 MIN_SLIDING_TESTS = 3
+# Largest factor by which a misfit may multiply the errors of the tests without forbidding to quote the friction law.
+MAX_ERROR_SCALE = 3.0
 
 
 def calibrate(
@@ -150,7 +155,7 @@ def calibrate(
         if first_problem.junction_growth is not None
         else {}
     )
-    return Interface(
+    interface = Interface(
         tuple(fits),
         first_problem.mean_area_per_load,
         first_problem.area_per_load_variation,
@@ -160,3 +165,18 @@ def calibrate(
         header_entries,
         common,
     )
+    is_excluded = fits[0].probability < EXCLUSION_P_VALUE_LIMIT and fits[0].scale > MAX_ERROR_SCALE
+    entry = FAULTS_HEADER_ENTRY if is_excluded else CAUTIONS_HEADER_ENTRY
+    return interface.with_caveats(entry, [*_describe_misfit(fits[0], outliers=outliers)])
+
+
+def _describe_misfit(fit: StrengthFit, *, outliers: bool) -> Iterator[str]:
+    """Yield the reasons why tests hardly agree with the friction law that was fitted to them."""
+    # Errors of tests with outliers are not multiplied.
+    if fit.probability < EXCLUSION_P_VALUE_LIMIT and not outliers:
+        yield (
+            f"its tests deviate from it by more than their errors allow (probability {fit.probability:.1g}), so the "
+            f"errors were multiplied by {fit.scale:.2g}"
+        )
+    if fit.trend < EXCLUSION_P_VALUE_LIMIT:
+        yield f"the deviations of its tests vary with the load (probability {fit.trend:.1g})"

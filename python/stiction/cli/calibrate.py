@@ -92,7 +92,7 @@ def calibrate(
     from stiction.calibration.tests_file import parse_friction_tests
     from stiction.cli.result_output import choose_message_printer, open_result_with_warning
     from stiction.study.input_distributions import Z_95, parse_uncertain_input
-    from stiction.study.interfaces import write_interface
+    from stiction.study.interfaces import FAULTS_HEADER_ENTRY, write_interface
     from stiction.views.calibration import (
         calibration_figure,
         calibration_json,
@@ -143,7 +143,9 @@ def calibrate(
             )
     interface = fit_interface(tests, common=common, sliding=sliding, mu0=mu0, tau0=tau0, outliers=outliers)  # type: ignore[arg-type]
     bodies_of_pairs = {name: body for name, body in bodies.items() if not isinstance(body, Ball)}
-    pair_caveats, lays = tested_pair_notes(bodies_of_pairs, tests)
+    faults, lays = tested_pair_notes(bodies_of_pairs, tests)
+    interface = interface.with_caveats(FAULTS_HEADER_ENTRY, [f"{fault.place}: {fault.text}" for fault in faults])
+    pair_caveats = [fault.caveat for fault in faults]
     prediction = None
     if target is not None and target_result is not None:
         prediction = predict_wanted_pair(interface, target_result)

@@ -95,6 +95,10 @@ JUNCTION_GROWTH_HEADER_ENTRY = "junction growth of the draws"
 The entry is missing if no test depends on α, or if α differs between tests.
 """
 
+FAULTS_HEADER_ENTRY, CAUTIONS_HEADER_ENTRY = "do not quote", "quote with care"
+"""Header entries of an interface file with caveats from its tests, according to which a coefficient may not be quoted,
+or only with care.
+"""
 
 # Largest normal score that is recovered from a file without columns of scores.
 MAX_SCORE_OF_OLD_FILE = 5.0
@@ -304,6 +308,14 @@ class InterfaceStrength:
             if math.isfinite(value)
         ]
         return "\n".join(["Interface", *rows, *(f"  {key:<14}  {text}" for key, text in self.about.items())])
+
+    def with_caveats(self, entry: str, texts: Sequence[str]) -> Self:
+        """Return the same interface with further caveats in the entry `FAULTS_HEADER_ENTRY` or `CAUTIONS_HEADER_ENTRY`.
+
+        Interface files contain the caveats, so that they also apply to the coefficients of pairs with this interface.
+        """
+        all_texts = [*filter(None, [self.about.get(entry)]), *texts]
+        return replace(self, about={**self.about, entry: "; ".join(all_texts)}) if texts else self
 
     @property
     def has_unknown_range(self) -> bool:

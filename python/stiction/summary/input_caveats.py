@@ -13,7 +13,7 @@ import numpy as np
 from stiction._number_format import format_percent, format_with_unit
 from stiction.evaluate.point import has_limited_pressure
 from stiction.solve.alternative_preparations import SPIKES_ALTERNATIVE, TIP_ALTERNATIVE, AlternativeName
-from stiction.study.inputs import find_interface
+from stiction.study.inputs import Inputs, find_interface
 from stiction.summary.assessment import Caveat, Severity
 from stiction.summary.interface_caveats import find_interface_caveats
 from stiction.surfaces.cut_off import MAX_CUTOFF_FRACTION
@@ -149,8 +149,20 @@ def find_input_caveats(
         text = f"μ0 = {mu0:g} is above {MAX_PLAUSIBLE_MU0:g}, the largest plausible μ0"
         caveats.append(Caveat(text, "specify μ0 as a fraction, not in per cent", "caution"))
     interface = find_interface(study)
+    if interface is not None and interface.has_unknown_range:
+        text = (
+            f"the interval does not include the uncertainty of μ0 and τ0, because the interface "
+            f"{study.friction.interface.name if study.friction.interface else ''} has no known range"
+        )
+        caveats.append(
+            Caveat(
+                text, "measure μ0 and τ0 (stiction calibrate), or give --mu0 and --tau0 with their ranges", "caution"
+            )
+        )
     if interface is not None and study.friction.interface is not None:
-        caveats += find_interface_caveats(study, interface, study.friction.interface.name)
+        caveats += find_interface_caveats(
+            interface, study.friction.interface.name, Inputs.from_study(study), study.pair_checksum
+        )
     area = float(np.prod(np.minimum(_get_axis_extents(upper), _get_axis_extents(lower))))
     modulus = float(study.contact.effective_modulus)
     for load in loads:

@@ -1,44 +1,51 @@
-"""Caveats about the interface of a pair: unknown ranges, and inputs whose ranges differ from those of the tests."""
+"""Caveats about a calibrated interface: caveats of its tests, and inputs with other ranges than in its tests."""
 
 from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from stiction._number_format import format_with_unit
 from stiction.study.input_distributions import parse_study_input
 from stiction.study.inputs import Inputs
-from stiction.study.interfaces import HARDNESS_HEADER_ENTRY, InterfaceStrength, shared_input_name
+from stiction.study.interfaces import (
+    CAUTIONS_HEADER_ENTRY,
+    FAULTS_HEADER_ENTRY,
+    HARDNESS_HEADER_ENTRY,
+    InterfaceStrength,
+    shared_input_name,
+)
 from stiction.study.shared_inputs import SharedInput, compare_ranges
-from stiction.summary.assessment import Caveat
+from stiction.summary.assessment import Caveat, Severity
 
-if TYPE_CHECKING:
-    from stiction.study.study import Study
-
-
-def find_interface_caveats(study: Study, strength: InterfaceStrength, name: str = "") -> Iterator[Caveat]:
-    """Yield the caveats about the interface with a given name, if a study uses this interface for its pair."""
-    if strength.has_unknown_range:
-        yield Caveat(
-            f"the interval does not include the uncertainty of μ0 and τ0, because the interface {name} has no known "
-            "range",
-            "measure μ0 and τ0 (stiction calibrate), or give --mu0 and --tau0 with their ranges", "caution",
-        )  # fmt: skip
-    yield from _find_range_caveats(study, strength)
+SEVERITIES_OF_HEADER_ENTRIES: dict[str, Severity] = {FAULTS_HEADER_ENTRY: "fault", CAUTIONS_HEADER_ENTRY: "caution"}
+"""Severity of the caveats in an interface file, by the header entry that contains them."""
 
 
-def _find_range_caveats(study: Study, strength: InterfaceStrength) -> Iterator[Caveat]:
+def find_interface_caveats(
+    strength: InterfaceStrength, name: str, inputs: Inputs, pair_checksum: str = ""
+) -> Iterator[Caveat]:
+    """Yield the caveats about the interface of a pair with given inputs.
+
+    `name` is the name of the interface. `pair_checksum` identifies the pair among the tested pairs.
+    """
+    for entry, severity in SEVERITIES_OF_HEADER_ENTRIES.items():
+        if text := strength.about.get(entry):
+            yield Caveat(f"interface {name}: {text}", "correct the tests, and run stiction calibrate again", severity)
+    yield from _find_range_caveats(strength, inputs, pair_checksum)
+
+
+def _find_range_caveats(strength: InterfaceStrength, inputs: Inputs, pair_checksum: str) -> Iterator[Caveat]:
     """Yield a caveat for each input to which the pair and the tests of its interface give different ranges.
 
     Ranges that do not overlap certainly belong to two quantities, and need no caveat.
     """
-    inputs = Inputs.from_study(study).entries
-    estimates = {name: entry.estimate for name, entry in inputs.items()}
-    for name, shared_input in compare_ranges(strength, estimates, study.pair_checksum).items():
+    estimates = {name: entry.estimate for name, entry in inputs.entries.items()}
+    for name, shared_input in compare_ranges(strength, estimates, pair_checksum).items():
         if shared_input.has_equal_ranges:
             continue
-        entry, tested_text = inputs[name], _get_tested_range_text(shared_input, strength, inputs[name].unit)
+        entry = inputs.entries[name]
+        tested_text = _get_tested_range_text(shared_input, strength, entry.unit)
         ranges_text = f"{entry.label} is {entry.text}, but {tested_text} in the tests of the interface"
         if shared_input.is_one_quantity:
             yield Caveat(

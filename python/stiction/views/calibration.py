@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -119,27 +119,37 @@ def _describe_prediction(prediction: WantedPairPrediction, rule: str) -> Iterato
     yield format_table([*rows, *([plan.text, str(Estimate(*plan.coefficient))] for plan in prediction.plans)])
 
 
-def tested_pair_notes(pairs: Mapping[str, Evaluation], tests: Sequence[FrictionTest]) -> tuple[list[str], list[str]]:
-    """Return the caveats that forbid quoting the friction of tested pairs, and notes on the lay of tested profiles.
+class TestedPairFault(NamedTuple):
+    """Fault of a tested pair that makes A/F of its tests wrong; `place` names the pair and the loads of the tests."""
 
-    A caveat names the pair and the loads of the tests to which it applies.
-    """
-    caveat_texts, lay_texts = [], []
+    place: str
+    text: str
+
+    @property
+    def caveat(self) -> str:
+        """Caveat for the output of a calibration."""
+        return f"! {self.place}, do not quote: {self.text}"
+
+
+def tested_pair_notes(
+    pairs: Mapping[str, Evaluation], tests: Sequence[FrictionTest]
+) -> tuple[list[TestedPairFault], list[str]]:
+    """Return the faults that forbid quoting the friction of tested pairs, and notes on the lay of tested profiles."""
+    faults, lay_texts = [], []
     for name, result in pairs.items():
         loads = sorted({float(test.load) for test in tests if test.result is result})
         if not loads:
             continue
-        loads_of_caveats: dict[str, list[str]] = {}
+        loads_of_faults: dict[str, list[str]] = {}
         for point in result.summary(loads).reported_points:
             for fault in point.faults:
-                load_texts = loads_of_caveats.setdefault(f"{fault.text}, so A/F may be wrong; {fault.remedy}", [])
+                load_texts = loads_of_faults.setdefault(f"{fault.text}, so A/F may be wrong; {fault.remedy}", [])
                 load_texts += [text for text in [point_load_text(point)] if text not in load_texts]
-        caveat_texts += [
-            f"! {name} at {', '.join(load_texts)}, do not quote: {text}"
-            for text, load_texts in loads_of_caveats.items()
+        faults += [
+            TestedPairFault(f"{name} at {', '.join(load_texts)}", text) for text, load_texts in loads_of_faults.items()
         ]
         lay_texts += list_lay_notes(name, result)
-    return caveat_texts, lay_texts
+    return faults, lay_texts
 
 
 def list_lay_notes(name: str, result: Evaluation) -> list[str]:

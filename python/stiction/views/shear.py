@@ -147,6 +147,7 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
             "μ0 and τ0 of the interface were fitted with friction at opposing contacts only, but a shear test has "
             "friction at all contacts: fit them with stiction calibrate --sliding all."
         )
+    caveats += [f"{line[0].upper()}{line[1:]}." for line in test.attrs.get("interface_caveats", "").splitlines()]
     if (reason := _NO_PEAK_REASONS.get(str(test.attrs["peak_status"]))) is not None:
         first_displacement = displacement[int(np.argmax(status == test.attrs["peak_status"]))]
         displacement_text = format_with_unit(first_displacement, "um")
