@@ -171,6 +171,13 @@ def test_result_with_an_interface_that_is_not_separated_reports_only_the_sum_of_
     assert "μ0 = " in result.sentence
     assert not any(f"{symbol} = " in unseparated_result.sentence for symbol in ("μ0", "τ0"))
     assert point_record(point)["contributions"] == point.contribution_terms
+    # Files with numbers for mu0 and tau0 have a note.
+    note = f"the tests determine only μ0 + τ0 A/F = {sum_text}"
+    record, separated_record = point_record(point), point_record(separated_point)
+    assert (record["strengths_separated"], separated_record["strengths_separated"]) == (False, True)
+    assert note in record["assumptions"][-1]
+    assert not any("μ0" in text for text in separated_record["assumptions"])
+    assert all(note in text for text in unseparated_result.to_dataframe()["assumptions"])
 
 
 def test_pair_result_lists_first_the_coefficient_for_the_sliding_rule_of_the_interface(result, opposing_result) -> None:

@@ -29,7 +29,7 @@ from stiction.views.onset import onset_record
 from stiction.views.pull_off import pull_off_record
 from stiction.views.quantities import quantity_label
 from stiction.views.resolution import resolution_record
-from stiction.views.sentence import covered_inputs_text, list_assumptions, quotable_sentence
+from stiction.views.sentence import covered_inputs_text, list_assumptions, quotable_sentence, strength_note
 
 if TYPE_CHECKING:
     import pandas
@@ -283,12 +283,17 @@ def _assessment_table(
             **coefficients,
             **_build_cutoff_columns([point for point, _ in rules]),
             "reported": [not point.covered for point, _ in rules],
-            "assumptions": ["; ".join(list_assumptions(point.study)) for point, _ in rules],
+            "assumptions": ["; ".join(_list_assumptions_in_file(point)) for point, _ in rules],
             "contact status": [point.contact_status for point, _ in rules],
             "assessment": [point.assessment for point, _ in rules],
             "caveats": ["; ".join(f"{caveat.text}: {caveat.remedy}" for caveat in point.caveats) for point, _ in rules],
         }
     )
+
+
+def _list_assumptions_in_file(point: PointSummary) -> list[str]:
+    """Return the assumptions of a result point, with a note if mu0 and tau0 in the file are not known separately."""
+    return [*list_assumptions(point.study), *filter(None, [strength_note(point)])]
 
 
 def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
@@ -371,7 +376,9 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         "assessment": point.assessment,
         "sentence": quotable_sentence(point),
         "roughness_contribution": point.roughness_contribution,
-        "assumptions": list(list_assumptions(point.study)),
+        # False if tests determine only the sum μ0 + τ0 A/F, so that many pairs of mu0 and tau0 are possible.
+        "strengths_separated": point.are_strengths_separated,
+        "assumptions": _list_assumptions_in_file(point),
         "interval_covers": covered_inputs_text(point),
         "finer_scans": None
         if point.bracket is None

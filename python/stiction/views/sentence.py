@@ -229,6 +229,18 @@ def _interface_text(point: PointSummary) -> str:
     return f"interface {name} ({', '.join(filter(None, items))})"
 
 
+def strength_note(point: PointSummary) -> str:
+    """Return a note on mu0 and tau0 if tests determine only their combination, or "" if both are known separately.
+
+    The note is for files with numbers for mu0 and tau0, which are then one of many possible pairs.
+    """
+    interface = find_interface(point.study)
+    if point.are_strengths_separated or interface is None:
+        return ""
+    sum_text = f"μ0 + τ0 A/F = {Estimate(*interface.identified).text()}"
+    return f"μ0 and τ0 are medians that are not known separately, because the tests determine only {sum_text}"
+
+
 def possible_zeros_text(interface: InterfaceStrength, conjunction: str) -> str:
     """Return the zeros that the tests of an interface do not exclude as text: "μ0 = 0", "τ0 = 0", both, or ""."""
     symbols = {"mu0": "μ0", "tau0": "τ0"}
