@@ -256,7 +256,7 @@ def test_planned_tests_of_a_pair_neither_remove_the_common_error_nor_ignore_the_
         widths[common] = np.ptp(strength.predict(result, "20 MPa")[1:])
         plans = {plan.text: np.ptp(plan.coefficient[1:]) for plan in plan_tests(strength, result, "20 MPa")}
         assert max(plans.values()) <= widths[common]
-        planned_widths[common] = plans["as many tests of this pair"]
+        planned_widths[common] = plans["4 tests of this pair at this load"]
     # Eight tests have an error of 2 %/√8. An error of 5 % that all tests share remains.
     assert planned_widths[0.0] == pytest.approx(2 * 1.96 * 0.25 * 0.02 / math.sqrt(8), rel=0.1)
     assert planned_widths[0.05] == pytest.approx(2 * 1.96 * 0.25 * math.hypot(0.05, 0.02 / math.sqrt(8)), rel=0.1)
@@ -277,9 +277,9 @@ def test_plans_for_a_law_from_a_file_keep_the_common_error_of_its_tests(tmp_path
         for each in (strength, old_strength)
     )
     # The error of 10 % that all tests share remains.
-    assert plans["as many tests of this pair"] > 0.99 * 2 * 1.96 * strength.predict(result, "20 MPa")[0] * 0.1
-    assert "as many tests of this pair, without an error that all tests share" in old_plans
-    assert "as many tests of this pair" not in old_plans
+    assert plans["1 test of this pair at this load"] > 0.99 * 2 * 1.96 * strength.predict(result, "20 MPa")[0] * 0.1
+    assert "1 test of this pair at this load, without an error that all tests share" in old_plans
+    assert "1 test of this pair at this load" not in old_plans
     (tmp_path / "old").write_text(text.replace("tests: 0.1\n", "tests: 10 %\n"))
     with pytest.raises(ValueError, match="old is a damaged interface file"):
         read_interface(tmp_path / "old")

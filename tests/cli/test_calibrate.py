@@ -119,7 +119,7 @@ def test_calibrate_command_ranks_proposed_tests_by_the_interval_they_leave_for_t
     plans = record["further_tests"]
     widths = [entry["coefficient"]["upper"] - entry["coefficient"]["lower"] for entry in plans]
     present = record["predicted"][0]["coefficient"]
-    assert plans[0]["text"] == "as many tests of this pair"
+    assert plans[0]["text"] == "1 test of this pair at this load"
     assert widths == sorted(widths)
     assert widths[-1] < present["upper"] - present["lower"]
     rows = [line for line in text.splitlines() if line.startswith(tuple(entry["text"][:30] for entry in plans))]

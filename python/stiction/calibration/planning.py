@@ -29,19 +29,52 @@ class PlannedTests(NamedTuple):
     coefficient: ValueWithLimits
 
 
+class PlanConditions(NamedTuple):
+    """Conditions that all plans of further tests have in common."""
+
+    # Number of further tests, equal to the number of present tests.
+    num_tests: int
+    # Relative standard error of each further test: the median of the present tests, or `DEFAULT_RELATIVE_ERROR`.
+    relative_error: float
+    # True if the errors of the present tests are given.
+    is_error_known: bool
+    # True areas per load (1/GPa) of a ball at the highest and at the lowest load.
+    ball_area_per_load: tuple[float, float]
+
+
+def find_plan_conditions(interface: Interface) -> PlanConditions:
+    """Return number and error of the further tests that `plan_tests` and `Interface.advice` assume for an interface."""
+    relative_errors = [
+        uncertainty / coefficient for _, coefficient, uncertainty, slid in interface.tests if slid and coefficient > 0
+    ]
+    relative_error = float(np.median(relative_errors)) if relative_errors else math.nan
+    is_error_known = math.isfinite(relative_error)
+    # For a ball (Hertz), A/F is proportional to F^(-1/3).
+    ball_ratio = BALL_LOAD_RANGE ** (1 / 6)
+    return PlanConditions(
+        max(len(interface.tests), 1), relative_error if is_error_known else DEFAULT_RELATIVE_ERROR, is_error_known,
+        (interface.area_per_load / ball_ratio, interface.area_per_load * ball_ratio),
+    )  # fmt: skip
+
+
 def list_area_plans(area_per_load: float, count: int) -> Iterator[tuple[str, Floats]]:
     """Yield plans of further tests that would separate mu0 from tau0: description, and true area per load (1/GPa).
 
     `area_per_load` and `count` are the mean true area per load (1/GPa) and the number of the present tests.
     """
-    # For a ball (Hertz), the area per load A/F is proportional to F^(-1/3).
+    tests = _count_tests(count)
+    # For a ball (Hertz), A/F is proportional to F^(-1/3).
     ball_ratio = BALL_LOAD_RANGE ** (1 / 6)
     yield (
-        "a smooth ball below yield, two decades of load",
+        f"{tests} of a smooth ball below yield, loads over a factor of {BALL_LOAD_RANGE:g}",
         area_per_load * np.geomspace(1 / ball_ratio, ball_ratio, count),
     )
-    yield "as many tests on a second finish, elastic, three times as rough", np.full(count, area_per_load / 3)
-    yield "as many tests with the same film on a body twice as hard", np.full(count, area_per_load / 2)
+    yield f"{tests} of a second finish, elastic, three times as rough", np.full(count, area_per_load / 3)
+    yield f"{tests} with the same film on a body twice as hard", np.full(count, area_per_load / 2)
+
+
+def _count_tests(count: int) -> str:
+    return "1 test" if count == 1 else f"{count} tests"
 
 
 def plan_tests(interface: Interface, result: Any, load: float | str) -> tuple[PlannedTests, ...]:
@@ -76,16 +109,11 @@ def plan_tests(interface: Interface, result: Any, load: float | str) -> tuple[Pl
     >>> ball, wanted = Ball("5 mm", "3 GPa"), Ball("50 mm", "3 GPa")
     >>> tests = [FrictionTest(ball, "20 mN", coefficient=0.3, uncertainty=0.01) for _ in range(3)]
     >>> plan_tests(calibrate(tests), wanted, "20 mN")[0].text
-    'as many tests of this pair'
+    '3 tests of this pair at this load'
     """
     check_instance("interface", interface, Interface, "an Interface, as returned by calibrate()")
-    relative_errors = [
-        uncertainty / coefficient for _, coefficient, uncertainty, slid in interface.tests if slid and coefficient > 0
-    ]
-    relative_error = float(np.median(relative_errors)) if relative_errors else math.nan
-    if not math.isfinite(relative_error):
-        relative_error = DEFAULT_RELATIVE_ERROR
-    count, central_law = max(len(interface.tests), 1), FrictionLaw(*round_median_strength(interface))
+    count, relative_error, *_ = find_plan_conditions(interface)
+    central_law = FrictionLaw(*round_median_strength(interface))
     plans, present = [], interface.predict(result, load)
     for text, areas_per_load in list_area_plans(interface.area_per_load, count):
         expected = central_law.force(1.0, areas_per_load)
@@ -100,7 +128,9 @@ def plan_tests(interface: Interface, result: Any, load: float | str) -> tuple[Pl
     is_common_error_known = not math.isnan(interface.common)
     common_error = interface.common if is_common_error_known else 0.0
     half_width = _estimate_half_width(present, common_error, relative_error / math.sqrt(count))
-    text = "as many tests of this pair" + ("" if is_common_error_known else ", without an error that all tests share")
+    text = f"{_count_tests(count)} of this pair at this load" + (
+        "" if is_common_error_known else ", without an error that all tests share"
+    )
     plans.append(PlannedTests(text, (value, max(value - half_width, 0.0), value + half_width)))
     return tuple(sorted(plans, key=lambda plan: plan.coefficient[2] - plan.coefficient[1]))
 

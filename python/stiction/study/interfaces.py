@@ -323,6 +323,19 @@ class InterfaceStrength:
         return bool(np.ptp(self.fits[0].mu0) == np.ptp(self.fits[0].tau0) == 0)
 
     @property
+    def tested_area_per_load(self) -> ValueWithLimits:
+        """Mean true area per load A/F (1/GPa) of the tests: median and 95 % interval of the joint samples.
+
+        Unlike `area_per_load`, which belongs to the central inputs, the samples agree with the tests. Without samples,
+        as in older files, the value is `area_per_load`, and the limits are NaN.
+        """
+        samples = self.fits[0].area_per_load
+        if not np.isfinite(samples).all():
+            return self.area_per_load, math.nan, math.nan
+        low, high = np.quantile(samples, find_tail_probabilities())
+        return float(np.median(samples)), float(low), float(high)
+
+    @property
     def identified(self) -> ValueWithLimits:
         """The coefficient mu0 + tau0 A/F that the tests determine, with its 95 % interval.
 

@@ -32,10 +32,10 @@ def find_interface_caveats(
     for entry, severity in SEVERITIES_OF_HEADER_ENTRIES.items():
         if text := strength.about.get(entry):
             yield Caveat(f"interface {name}: {text}", "correct the tests, and run stiction calibrate again", severity)
-    yield from _find_range_caveats(strength, inputs, pair_checksum)
+    yield from find_range_caveats(strength, inputs, pair_checksum)
 
 
-def _find_range_caveats(strength: InterfaceStrength, inputs: Inputs, pair_checksum: str) -> Iterator[Caveat]:
+def find_range_caveats(strength: InterfaceStrength, inputs: Inputs, pair_checksum: str) -> Iterator[Caveat]:
     """Yield a caveat for each input to which the pair and the tests of its interface give different ranges.
 
     Ranges that do not overlap certainly belong to two quantities, and need no caveat.

@@ -15,8 +15,9 @@ from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_with_unit
 from stiction._repr import render_png
 from stiction.calibration.fit import MIN_AREA_VARIATION
-from stiction.calibration.planning import PlannedTests, plan_tests
+from stiction.calibration.planning import PlannedTests, find_plan_conditions, plan_tests
 from stiction.calibration.prediction import Interface
+from stiction.study.inputs import Inputs
 from stiction.study.interfaces import (
     ERROR_SCALING_P_VALUE_LIMIT,
     EXCLUSION_P_VALUE_LIMIT,
@@ -24,6 +25,7 @@ from stiction.study.interfaces import (
     ValueWithLimits,
     find_tail_probabilities,
 )
+from stiction.summary.interface_caveats import find_range_caveats
 from stiction.views.json_record import record_json
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, load_text, point_load_text
@@ -43,16 +45,24 @@ MIN_PRINTED_AREA_PER_LOAD_RANGE = 1e-6
 MIN_NARROWING_FRACTION = 0.05
 MAX_SHOWN_SAMPLES = 800
 
+UNLIMITED_PREDICTION_TEXT = (
+    "An upper limit of ∞ means that the interface may be stronger than the softer body, which would then shear instead "
+    "of the interface: measure the hardness, or add tests of a ball, to narrow the ranges of μ0 and τ0."
+)
+"""Explanation of an infinite upper limit."""
+
 
 @dataclass(frozen=True)
 class WantedPairPrediction:
     """Predicted coefficients of a wanted pair at all study loads, and at the first load after further friction tests.
 
-    `points` has the text of each load, and the coefficient with its interval.
+    `points` has the text of each load, and the coefficient with its interval. `caveats` are texts about inputs of the
+    pair that the tests also have, but with other ranges.
     """
 
     points: tuple[tuple[str, ValueWithLimits], ...]
     plans: tuple[PlannedTests, ...]
+    caveats: tuple[str, ...] = ()
 
 
 def predict_wanted_pair(interface: Interface, result: Evaluation) -> WantedPairPrediction:
@@ -65,7 +75,9 @@ def predict_wanted_pair(interface: Interface, result: Evaluation) -> WantedPairP
         )
         for load in loads
     )
-    return WantedPairPrediction(points, plan_tests(interface, result, loads[0]))
+    inputs, checksum = Inputs.from_study(result.study), result.study.pair_checksum
+    caveats = tuple(f"! {caveat.text}; {caveat.remedy}" for caveat in find_range_caveats(interface, inputs, checksum))
+    return WantedPairPrediction(points, plan_tests(interface, result, loads[0]), caveats)
 
 
 def calibration_text(
@@ -98,25 +110,41 @@ def calibration_text(
     if len(interface.fits) > 1 and all(math.isnan(test[2]) for test in interface.tests):
         advice = "The tests have no uncertainties, so they cannot exclude a sliding rule: add a column uncertainty (%)."
         lines += [wrap_text(advice, hanging_indent="  ")]
+    if interface.common > 0:
+        text = f"The fit assumes a further error of {format_percent(interface.common)} that all tests share (--common)."
+        lines += [wrap_text(text, hanging_indent="  ")]
     if prediction is not None:
-        lines += ["", *_describe_prediction(prediction, SLIDING_RULE_DESCRIPTIONS[first_fit.sliding])]
+        lines += ["", *_describe_prediction(interface, prediction)]
     elif interface.advice:
         table = [["further test that would separate μ0 and τ0", "± μ0", "± τ0"]]
         table += [[text, f"{mu0:.2g}", format_with_unit(tau0, "GPa")] for text, mu0, tau0 in interface.advice]
-        lines += ["", format_table(table)]
+        lines += ["", format_table(table), wrap_text(_plan_conditions_text(interface), hanging_indent="  ")]
     return "\n".join(lines)
 
 
-def _describe_prediction(prediction: WantedPairPrediction, rule: str) -> Iterator[str]:
-    """Yield the predicted coefficients, and a table of further tests with the interval expected after each test."""
+def _plan_conditions_text(interface: Interface) -> str:
+    """Return a sentence on error and loads of the further tests in a table of plans."""
+    conditions = find_plan_conditions(interface)
+    reason = "the median of your tests" if conditions.is_error_known else "because the errors of your tests are unknown"
+    low, high = conditions.ball_area_per_load
+    return (
+        f"Each of these tests has an error of {format_percent(conditions.relative_error)}, {reason}. Choose loads at "
+        f"which A/F of the ball is {low:.3g} to {high:.3g} 1/GPa, and the present loads for other pairs."
+    )
+
+
+def _describe_prediction(interface: Interface, prediction: WantedPairPrediction) -> Iterator[str]:
+    """Yield the predicted coefficients, and a table of further tests by the interval that they would leave."""
+    rule, (load, first_coefficient) = SLIDING_RULE_DESCRIPTIONS[interface.fits[0].sliding], prediction.points[0]
     for text, limits in prediction.points:
         yield f"predicted at {text}: μ_s = {Estimate(*limits)}  {rule}"
+    if any(math.isinf(upper) for _, (_, _, upper) in prediction.points):
+        yield wrap_text(UNLIMITED_PREDICTION_TEXT, hanging_indent="  ")
+    yield from (wrap_text(caveat, hanging_indent="  ") for caveat in prediction.caveats)
     yield ""
-    rows = [
-        ["further tests, by the interval at the first load", "μ_s"],
-        ["none", str(Estimate(*prediction.points[0][1]))],
-    ]
+    rows = [[f"further tests, by the interval at {load}", "μ_s"], ["none", str(Estimate(*first_coefficient))]]
     yield format_table([*rows, *([plan.text, str(Estimate(*plan.coefficient))] for plan in prediction.plans)])
+    yield wrap_text(_plan_conditions_text(interface), hanging_indent="  ")
 
 
 class TestedPairFault(NamedTuple):
@@ -160,15 +188,11 @@ def list_lay_notes(name: str, result: Evaluation) -> list[str]:
 
 
 def _area_per_load_text(interface: Interface) -> str:
-    """Return a sentence on the true area per load A/F in the tests: mean with interval, and range."""
-    area_per_load, ratios = interface.fits[0].area_per_load, np.array([test[0] for test in interface.tests])
-    is_exact = not np.isfinite(area_per_load).all() or _are_ratios_equal(area_per_load)
-    low, high = (math.nan, math.nan) if is_exact else np.quantile(area_per_load, [0.025, 0.975])
-    mean_text = (
-        f"{interface.area_per_load:.3g}"
-        if is_exact
-        else Estimate(interface.area_per_load, float(low), float(high)).text()
-    )
+    """Return a sentence on the ratio A/F in the tests: its mean with interval, and its range."""
+    ratios = np.array([test[0] for test in interface.tests])
+    value, low, high = interface.tested_area_per_load
+    is_exact = math.isnan(low) or high - low <= MIN_PRINTED_AREA_PER_LOAD_RANGE * value
+    mean_text = f"{value:.3g}" if is_exact else Estimate(value, low, high).text()
     if ratios.size < 2 or _are_ratios_equal(ratios):
         return f"A/F of the tests: {mean_text} 1/GPa"
     return f"mean A/F of the tests: {mean_text} 1/GPa; the tests span {min(ratios):.3g} to {max(ratios):.3g} 1/GPa"
@@ -268,7 +292,7 @@ def calibration_json(
 ) -> str:
     """Return a calibration as JSON. `pair_caveats` and `lays` come from `tested_pair_notes`."""
     separate_status = "ok" if interface.separated else "not separated"
-    coordinates = {"area_per_load_per_GPa": interface.area_per_load}
+    coordinates = {"area_per_load_per_GPa": interface.tested_area_per_load[0]}
     estimate_records = [
         Estimate(*limits, name=name, unit=unit, kind="combined", status=status).to_record(coordinates)
         for name, limits, unit, coordinates, status in (
@@ -292,7 +316,8 @@ def calibration_json(
         {"test": text, "error_of_mu0": mu0, "error_of_tau0": tau0} for text, mu0, tau0 in interface.advice
     ]
     return record_json(
-        "calibrate", estimate_records, kind="interface", variation=interface.variation, separated=interface.separated,
+        "calibrate", estimate_records, kind="interface", common=interface.common,
+        variation=interface.variation, separated=interface.separated,
         junction_growth=None if interface.junction_growth is None else interface.junction_growth.short_text,
         possible_zeros=list(interface.possible_zeros), excluded=list(interface.excluded), fits=fits,
         would_separate=advice_records, pair_caveats=list(pair_caveats), lays=list(lays),
@@ -306,6 +331,7 @@ def _build_prediction_fields(prediction: WantedPairPrediction | None) -> dict[st
         return {}
     return {
         "predicted": [_build_coefficient_fields(text, limits) for text, limits in prediction.points],
+        "caveats": list(prediction.caveats),
         "further_tests": [_build_coefficient_fields(plan.text, plan.coefficient) for plan in prediction.plans],
     }
 
