@@ -24,6 +24,7 @@ from stiction import (
     read_interface,
     write_interface,
 )
+from stiction._estimate import Estimate
 from stiction.study.inputs import Inputs
 from stiction.study.interfaces import (
     HARDNESS_HEADER_ENTRY,
@@ -475,6 +476,19 @@ def test_both_ends_of_the_line_that_unseparated_tests_allow_have_the_median_sum(
     assert low_mu0 == pytest.approx(np.quantile(fit.mu0, 0.025), abs=1e-3)
     # The median of A/F is 1/GPa.
     assert low_mu0 + 1e-3 * high_tau0 == pytest.approx(high_mu0, abs=0.02)
+
+
+def test_mean_area_per_load_of_opposing_contacts_that_grow_is_within_its_interval() -> None:
+    tests = [FrictionTest(compute_plastic_pair("slip-line"), "20 MPa", coefficient=0.2, uncertainty=0.01)] * 3
+    interface = calibrate(tests, common=0.0, sliding="opposing")
+    value, lower, upper = interface.tested_area_per_load
+    assert lower < value < upper
+    assert all(lower < area_per_load < upper for area_per_load, *_ in interface.tests)
+    text = " ".join(calibration_text(interface).split())
+    assert f"A/F of the tests: {Estimate(value, lower, upper).text()} 1/GPa" in text
+    assert lower < interface.area_per_load < upper
+    (identified, *_) = json.loads(calibration_json(interface))["values"]
+    assert identified["at"]["area_per_load_per_GPa"] == pytest.approx(value)
 
 
 def test_samples_of_a_strong_interface_have_a_finite_area() -> None:

@@ -144,7 +144,7 @@ def calibrate(
     )
     test_points = [
         (float(ratio), float(test.coefficient or 0.0), float(test.uncertainty or math.nan), test.slid)
-        for ratio, test in zip(first_problem.area_per_load, tests, strict=True)
+        for ratio, test in zip(first_problem.fitted_area_per_load, tests, strict=True)
     ]
     advice = () if is_separated else first_problem.suggest_tests()
     header_entries = {"kind": "measured"} | (

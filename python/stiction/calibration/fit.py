@@ -269,17 +269,31 @@ class CalibrationProblem:
         return np.where(self.slid, 1.0 / self.error**2, 0.0)
 
     @property
+    def fitted_area_per_load(self) -> Floats:
+        """True area per load (1/GPa) of each test; contacts that grow under shear have their area at the best fit.
+
+        If friction acts at opposing contacts only, their friction is higher than the measured coefficient, and so is
+        their growth.
+        """
+        if not self.has_growing_contacts:
+            return np.asarray(self.area_per_load)
+        best_fit = self.best_fit
+        mu0_coefficient, tau0_coefficient, _ = self._compute_equation_coefficients(
+            best_fit.scores[np.newaxis], np.array([best_fit.mu0]), np.array([best_fit.tau0])
+        )
+        return np.asarray(tau0_coefficient[0] / mu0_coefficient[0])
+
+    @property
     def mean_area_per_load(self) -> float:
-        """Mean of the true area per load, A/F (1/GPa), of tests with sliding, weighted by inverse squared errors."""
-        return float(np.average(self.area_per_load, weights=self._weights_of_tests))
+        """Mean of `fitted_area_per_load` (1/GPa) over the tests with sliding, weighted by 1/error²."""
+        return float(np.average(self.fitted_area_per_load, weights=self._weights_of_tests))
 
     @property
     def area_per_load_variation(self) -> float:
-        """Relative standard deviation of A/F over the tests with sliding, weighted as in `mean_area_per_load`."""
-        return float(
-            np.sqrt(np.average((self.area_per_load - self.mean_area_per_load) ** 2, weights=self._weights_of_tests))
-            / self.mean_area_per_load
-        )
+        """Relative standard deviation of the true area per load, A/F, over tests with sliding, weighted by 1/error²."""
+        mean = float(np.average(self.area_per_load, weights=self._weights_of_tests))
+        variance = np.average((self.area_per_load - mean) ** 2, weights=self._weights_of_tests)
+        return float(np.sqrt(variance) / mean)
 
     def _compute_deviation_between_runs(self, scores: Floats) -> Floats:
         """Return the relative standard deviation of friction between test runs, one number per nuisance sample."""

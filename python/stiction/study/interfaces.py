@@ -326,8 +326,7 @@ class InterfaceStrength:
     def tested_area_per_load(self) -> ValueWithLimits:
         """Mean true area per load A/F (1/GPa) of the tests: median and 95 % interval of the joint samples.
 
-        Unlike `area_per_load`, which belongs to the central inputs, the samples agree with the tests. Without samples,
-        as in older files, the value is `area_per_load`, and the limits are NaN.
+        Without samples, as in older files, the value is `area_per_load`, and the limits are NaN.
         """
         samples = self.fits[0].area_per_load
         if not np.isfinite(samples).all():
