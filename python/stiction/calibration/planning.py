@@ -49,7 +49,7 @@ def find_plan_conditions(interface: Interface) -> PlanConditions:
     ]
     relative_error = float(np.median(relative_errors)) if relative_errors else math.nan
     is_error_known = math.isfinite(relative_error)
-    # For a ball (Hertz), A/F is proportional to F^(-1/3).
+    # For a ball (Hertz), the area per load A/F is proportional to F^(-1/3).
     ball_ratio = BALL_LOAD_RANGE ** (1 / 6)
     return PlanConditions(
         max(len(interface.tests), 1), relative_error if is_error_known else DEFAULT_RELATIVE_ERROR, is_error_known,
@@ -63,10 +63,10 @@ def list_area_plans(area_per_load: float, count: int) -> Iterator[tuple[str, Flo
     `area_per_load` and `count` are the mean true area per load (1/GPa) and the number of the present tests.
     """
     tests = _count_tests(count)
-    # For a ball (Hertz), A/F is proportional to F^(-1/3).
+    # For a ball (Hertz), the area per load A/F is proportional to F^(-1/3).
     ball_ratio = BALL_LOAD_RANGE ** (1 / 6)
     yield (
-        f"{tests} of a smooth ball below yield, loads over a factor of {BALL_LOAD_RANGE:g}",
+        f"{tests} of a smooth ball below yield, two decades of load",
         area_per_load * np.geomspace(1 / ball_ratio, ball_ratio, count),
     )
     yield f"{tests} of a second finish, elastic, three times as rough", np.full(count, area_per_load / 3)

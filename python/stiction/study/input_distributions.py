@@ -383,7 +383,7 @@ def select_by_weight(cumulative_weights: Floats, count: int, offset: float) -> N
 
 
 def compute_effective_sample_size(log_weight: Floats) -> float:
-    """Return the effective number of samples from the logarithms of their weights."""
+    """Return the effective number of weighted samples, (Σw)²/Σw², from the logarithms of the weights w."""
     weight = np.exp(log_weight - log_weight.max())
     return float(weight.sum() ** 2 / (weight**2).sum())
 
