@@ -119,7 +119,7 @@ void fuzz_contact(Source& source) {
   }
 }
 
-// Two maps of equal shape, with heights of any magnitude. Some heights are equal, and some regions are level.
+// Two maps of equal shape. Heights have any magnitude. Some heights are equal, and some regions are level.
 struct Maps {
   stiction::Matrix upper;
   stiction::Matrix lower;
@@ -184,7 +184,7 @@ void fuzz_areal(Source& source) {
                 candidate.column + 1 < maps.upper.cols(),
             "minima lie in the map");
   }
-  // On a steep wall, the projected contact ellipse is so narrow that round-off changes its fraction inside the map.
+  // On a steep wall, the projected contact ellipse is so narrow that round-off changes the fraction inside the map.
   const bool steep =
       std::any_of(candidates.all.begin(), candidates.all.end(), [](const stiction::ArealCandidate& candidate) {
         return candidate.normal.z() < 1e-5 || candidate.radii.major > 1e12 * candidate.radii.minor;

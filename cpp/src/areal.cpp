@@ -39,8 +39,8 @@ void check(const SurfacePair& pair, double deepest) {
   }
 }
 
-// Range of the gap in a row of the two maps, and largest |height| in this row of both maps.
-// The member `zero` is 0 if all heights are finite, and NaN otherwise.
+// Smallest and largest gap in a row of two maps, and largest |height| in the same row of both maps.
+// The member `zero` marks invalid heights: it is 0 if all heights are finite, and NaN otherwise.
 struct RowRange {
   double lowest;
   double highest;
@@ -197,7 +197,7 @@ ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, dou
   const double q2 = 1.0 + slope.squaredNorm();
   const double q = std::sqrt(q2);
   // With the slope p and q = sqrt(1 + p²), the power (I + p pᵀ)^(-1/2) of the metric is I - p pᵀ / (q (q + 1)).
-  // The Hessian matrix, multiplied by (I + p pᵀ)^(-1/2) from both sides, is the matrix (a, b; b, c).
+  // The matrix (a, b; b, c) is (I + p pᵀ)^(-1/2) · (Hessian matrix) · (I + p pᵀ)^(-1/2).
   const double factor = 1.0 / (q * (q + 1.0));
   const double r00 = 1.0 - factor * slope.x() * slope.x();
   const double r01 = -factor * slope.x() * slope.y();

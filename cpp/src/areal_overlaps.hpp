@@ -17,7 +17,7 @@ struct ProjectedEllipse {
 
 ProjectedEllipse projected_ellipse(const ArealCandidate& candidate);
 
-// Return the index of the first approach at which a candidate is a contact.
+// Return the index of the first approach at which the surfaces touch at a candidate.
 std::size_t first_contact_step(const ArealCandidate& candidate, Values approaches);
 
 // Return, for each candidate, the index of the first approach at which its ellipse overlaps another ellipse.

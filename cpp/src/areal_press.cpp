@@ -76,9 +76,10 @@ void compute_factors(const Vector3& normal, const double* directions_xy, std::si
 
 constexpr std::size_t contacts_per_block = 16;  // number of contacts whose sums are accumulated together
 
-// Add Σ_i factors(i, m, d) values(i, k) over the contacts i of a block to sums(direction d, factor m, approach k).
+// Add the sums Σ_i factors(i, m, d) values(i, k) over the contacts i of a block to `sums`.
+// The indices of `sums` are the direction d, the factor m and the approach k.
 // The approach index k runs from `begin` to `steps`, both of which are multiples of every SIMD width.
-// For the first `num_factors` sums, `values` are forces. For the remaining sums, `values` are areas.
+// The first `num_factors` sums contain forces as `values`. The remaining sums contain areas as `values`.
 template <std::size_t Width>
 STICTION_INLINE void add_block_kernel(const double* factors, const double* force, const double* area,
                                       std::size_t contacts, std::size_t direction_count, std::size_t begin,
@@ -176,7 +177,7 @@ std::vector<ArealSums> press(const ArealCandidates& candidates, Values approache
     directions_xy[d] = directions[d].x();
     directions_xy[direction_count + d] = directions[d].y();
   }
-  // Contacts are sorted by the first approach at which they exist, so that a block contains similar contacts.
+  // Contacts are sorted by their first approach, so that all contacts of a block exist at similar approaches.
   struct Start {
     std::size_t candidate;
     std::size_t begin;

@@ -86,7 +86,7 @@ std::vector<double> pivots(Index points) {
 }
 
 // Solve `lines` systems of `points` equations by Gaussian elimination, many systems in parallel.
-// The unknowns of all systems at one point are contiguous in memory. Successive points are `stride` elements apart.
+// At each point, the unknowns of all systems are contiguous in memory. Successive points are `stride` elements apart.
 STICTION_MULTIVERSION
 void solve_columns(double* values, Index points, Index lines, Index stride, const double* pivot) {
   for (Index i = 1; i + 1 < points; ++i) {
@@ -124,7 +124,7 @@ void scaled_differences(const double* before, const double* after, Index size, d
   }
 }
 
-// Number of columns that stay in the processor cache during elimination and back substitution.
+// Number of columns per strip. A strip stays in the processor cache during elimination and back substitution.
 constexpr Index columns_per_strip = 64;
 
 struct Basis {

@@ -12,7 +12,7 @@ STICTION_INLINE void simd_width_kernel(std::size_t& width) {
   width = Width;
 }
 
-// The loader selects the version of `simd_width` by the same rule as the version of every hot loop.
+// `simd_width` shows which instruction set the hot loops use, because the loader selects all versions by the same rule.
 STICTION_KERNEL(simd_width, (std::size_t& width), (width))
 
 std::string instruction_set() {

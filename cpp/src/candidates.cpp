@@ -86,7 +86,7 @@ std::optional<Site> find_site(const SplinedProfile& upper, const SplinedProfile&
   return Site{i, *t, lower_height, (upper.height(i, *t) - lower_height) - zero};
 }
 
-// Store the asperity pair at a site in `asperity_pair`. Returns false if the two asperities cannot touch.
+// Store in `asperity_pair` the two asperities that face each other at a site. Returns false if they cannot touch.
 bool set_asperity_pair(const SplinedProfile& upper, const SplinedProfile& lower, const Site& site, Curvature curvature,
                        AsperityPair& asperity_pair) {
   const Asperity upper_asperity = upper.asperity(site.index, site.offset);
@@ -174,7 +174,7 @@ void for_each_candidate(const ProfilePair& pair, const Prefilter& prefilter, dou
   const bool by_cell = detection == Detection::cell;
   const bool two_convex_spheres = curvature == Curvature::convex && !upper.is_flat() && !lower.is_flat();
 
-  // In cell detection, the gap of a cell is the gap at its grid point.
+  // In cell detection, only the gaps at grid points matter, so `dip` is 0.
   // In gap-minimum detection, a minimum of the gap may lie below both adjacent grid points, by at most `dip`.
   const double dip = by_cell ? 0.0 : max_dip(pair.upper, pair.lower);
   constexpr std::size_t chunk_size = 254;  // number of points in a chunk of derivatives

@@ -30,7 +30,7 @@ std::vector<double> sample_quantiles(Values values, Values probabilities) {
 }
 
 // Return quantiles of weighted values, interpolated on the cumulative weight of the sorted values.
-// On the axis of cumulative weight, a value lies in the middle of the interval that its weight occupies.
+// The cumulative weight of a value includes the weights of all smaller values and half of its own weight.
 std::vector<double> weighted_quantiles(Values values, Values weights, Values probabilities) {
   std::vector<std::pair<double, double>> sorted(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {

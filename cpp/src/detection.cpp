@@ -9,7 +9,7 @@
 namespace stiction {
 namespace {
 
-// Largest |height| and NaN marker of two profiles in each SIMD lane, accumulated in one pass.
+// Largest |height| and NaN marker of two profiles for each SIMD lane, computed in one pass over the heights.
 struct PassSums {
   static constexpr std::size_t lanes = 16;
 
@@ -151,7 +151,7 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
     const double upper_slope = derivatives.upper_slope[i];
     const double lower_slope = derivatives.lower_slope[i];
     const double gap = (upper[i] - lower[i]) - zero;
-    // With scale = ±q²/f'', the osculating sphere has the radius scale·q and the centre offset scale·(f', 1).
+    // With scale = ±q²/f'', the osculating sphere has the radius scale·q. The offset of its centre is scale·(f', 1).
     const double upper_q2 = 1.0 + upper_slope * upper_slope;
     const double lower_q2 = 1.0 + lower_slope * lower_slope;
     const double upper_scale = upper_q2 / derivatives.upper_curvature[i];
@@ -169,7 +169,7 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
     const double limit = half_cell + round_off * (std::abs(lower_x) + std::abs(separation_x) + std::abs(half_excess));
     // The contact centre is at x = middle - half_excess * separation_x / distance.
     // The distance of the sphere centres lies between `min_distance` and `max_distance`.
-    // The contact centre is compared with the cell edges after multiplication by the distance, which avoids a division.
+    // Both sides of the comparison with the cell edges are multiplied by the distance, which avoids a division.
     // Points whose derivatives are NaN are marked, so that the exact rules decide about these points.
     const double shift = half_excess * separation_x;
     const double left_edge = middle - limit;

@@ -22,15 +22,15 @@ using std::numbers::pi;
 
 // Number of columns of an area that are transformed together: one cache line in single precision.
 constexpr std::size_t columns_per_block = 8;
-// Number of rows between the row that is copied and the row that is loaded into the cache.
+// A row is loaded into the cache when the copying is this number of rows behind.
 constexpr std::size_t rows_ahead = 16;
 // Number of values that a thread processes in one task, between two cancellation checks.
-// Areas with fewer values than one task are not divided, because the threads would wait for each other.
+// An area with fewer values than one task is not divided, because threads would then wait for each other.
 constexpr std::size_t values_per_task = std::size_t{1} << 15;
 // Sum of all stencil weights, as a fraction of the weight of the centre.
 // The stencil multiplies long wavelengths by the sum of its weights, which must be small for wide contact patches.
 constexpr double stencil_sum = 0.04;
-// Lower limit of the displacement due to a Fourier component, relative to the displacement of a loaded cell.
+// Lower limit of the displacement due to one Fourier component, as a fraction of the displacement of a loaded cell.
 // Without this limit, zero padding could make the displacement zero or negative.
 constexpr double min_compliance_ratio = 1e-3;
 // Number of points along each axis of the periodic area from which the stencil is computed.
@@ -46,7 +46,7 @@ std::size_t padded_stride(std::size_t count) {
 }
 
 // For the Fourier transform, two real numbers are packed into one complex number.
-// Let z be the Fourier coefficients of the packed numbers, and let h be the factors, which are real and even.
+// Let z be the Fourier coefficients of the packed numbers. Let h be the factors: real numbers with h(-k) = h(k).
 // Let m be half the number of points, and θ = πk/m. The coefficients y of the packed result are
 //
 //     y(k) = (a - b sin θ) z(k) + i b cos θ conj(z(m - k)),  a = (h(k) + h(m - k))/2,  b = (h(k) - h(m - k))/2.
@@ -76,7 +76,7 @@ void multiply_line(const double* coefficients, const double* direct_factors, con
 }
 
 // Multiply the columns k and m - k of a two-dimensional transform by the factors of their wavenumbers.
-// Along y, `second` is traversed backwards, because it belongs to the wavenumber of the opposite sign.
+// Along y, the column `second` is traversed backwards, because it belongs to the opposite wavenumber.
 // Each factor is stored twice, for the real and for the imaginary part of a coefficient.
 template <class Real>
 STICTION_INLINE void multiply_mirrored(Real* __restrict first, Real* __restrict second, const Real* first_factors,
@@ -116,7 +116,7 @@ STICTION_INLINE void mix_columns_kernel(Real* __restrict first, Real* __restrict
       multiply_mirrored(first, second + 1, first_factors.data(), second_factors.data(), mixing_factors.data(), 2);
       skip = 1;
     }
-    // For an even `size`, the Fourier coefficient size / 2 is its own mirror image.
+    // If `size` is even, the Fourier coefficient size / 2 is its own mirror image, and must not be multiplied twice.
     const std::size_t mirrored_count = size % 2 == 0 && from + count == size / 2 + 1 ? count - 1 : count;
     if (count > skip) {
       multiply_mirrored(first + 2 * (from + skip), second + 2 * (size - from - skip) + 1, &first_factors[2 * skip],
@@ -185,7 +185,7 @@ struct TransformShape {
 
   bool packed() const { return padded_columns % 2 == 0; }
   std::size_t coefficient_count() const { return packed() ? padded_columns / 2 : padded_columns; }
-  // Number of different factors along x. Opposite wavenumbers have the same factor.
+  // Number of different factors along x. Two opposite wavenumbers share one factor.
   std::size_t factors_along_x() const { return padded_columns / 2 + 1; }
   std::size_t factors_along_y() const { return padded_rows / 2 + 1; }
 };
@@ -372,7 +372,7 @@ class Filter {
     const std::size_t begin = std::max<std::size_t>(first, 1);
     const std::size_t end = 2 * (last - 1) == count ? last - 1 : last;
     const std::size_t mirrored_count = shape_.packed() && end > begin ? end - begin : 0;
-    // Mirrored columns run from count - end + 1 to count - begin. Column count - begin is paired with column `begin`.
+    // Mirrored columns run from count - end + 1 to count - begin. Column `begin` is paired with column count - begin.
     const std::array<std::pair<std::size_t, std::size_t>, 2> blocks = {
         {{first, column_count}, {count - end + 1, mirrored_count}}};
     for (std::size_t block = 0; block < 2; ++block) {
@@ -433,7 +433,7 @@ class Filter {
   std::vector<Real> mirrored_;
 };
 
-// Fourier transform of an even sequence of 2m real numbers in place, from its first m + 1 values.
+// Fourier transform, in place, of an even sequence of 2m real numbers. The first m + 1 numbers are given.
 class EvenFft {
  public:
   EvenFft(std::size_t half, FftPlans& plans) : half_(half), fft_(plans.get<double>(half)), twiddles_(half + 1) {
@@ -487,7 +487,8 @@ std::vector<double> stiffness(const TransformShape& shape, const Grid& grid, dou
 // On a line, the pressure of 1 GPa acts between the origin and x.
 // On an area, the pressure of 1 GPa acts on the rectangle between the origin and the corner (x, y).
 double corner_integral(double x, double effective_modulus) {
-  // The result is the integral of -2/(π E*) ln|x|. A different length unit would shift all displacements equally.
+  // The result is the integral of -2/(π E*) ln|x| from 0 to x.
+  // A different unit of length would shift all displacements by the same amount.
   return -2 / (pi * effective_modulus) * x * (std::log(std::abs(x)) - 1.0);
 }
 
@@ -497,7 +498,7 @@ double corner_integral(double x, double y, double effective_modulus) {
 
 double cell_edge(std::size_t i, double spacing) { return (static_cast<double>(i) - 0.5) * spacing; }
 
-// Compute the displacement of each cell in the row of cells that is `row` rows from a loaded cell.
+// Compute the displacements of all cells in one row. The distance from this row to the loaded cell is `row` rows.
 // The pressure on the loaded cell is 1 GPa. On a line, the argument `row` is 0.
 void compute_influence_row(const Grid& grid, double effective_modulus, std::size_t row, std::span<double> influence) {
   const std::size_t count = influence.size();
@@ -570,7 +571,7 @@ std::vector<double> compliance(const TransformShape& shape, const Grid& grid, do
   return factors;
 }
 
-// Return the stencil: the periodic stiffness operator of a small area, evaluated at the origin and its neighbours.
+// Return the stencil: the stiffness operator of a small periodic area, at the origin and at the eight neighbours.
 // The stiffness operator is summed directly over the wavenumbers of the small area.
 std::array<double, 9> compute_stencil(const Grid& grid, double effective_modulus) {
   Grid small = grid;
@@ -611,7 +612,7 @@ void check_grid(const char* name, const Grid& grid, double effective_modulus) {
 }
 
 // Return the Fourier coefficients of the displacement per pressure [µm/GPa] on the extended grid of StiffnessKernel.
-// On a free grid, all Fourier coefficients are positive, and the coefficient of a uniform pressure is arbitrary.
+// On a free grid, all Fourier coefficients are positive. The coefficient of a uniform pressure may have any value.
 std::vector<double> invertible_compliance(const TransformShape& shape, const Grid& grid, double effective_modulus,
                                           FftPlans& plans, const ThreadPool& pool) {
   Scratch scratch;

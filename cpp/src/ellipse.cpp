@@ -10,7 +10,7 @@ namespace {
 
 // Elliptic integrals K and E of modulus e, computed from the arithmetic-geometric mean of 1 and k.
 // K = π / (2 · mean), with the arithmetic-geometric mean `mean`, and `ratio` = (K - E) / (e² K).
-// The variable `ratio` tends to 1/2 for k -> 1, and to 1 - 1/K for k -> 0.
+// For k -> 1, the variable `ratio` tends to 1/2. For k -> 0, the variable `ratio` tends to 1 - 1/K.
 // Source: Abramowitz & Stegun (1964), section 17.6.
 struct Integrals {
   double mean;
@@ -43,7 +43,7 @@ double log_slope(double k, double ratio) {
   const double complement = 1.0 - ratio;
   if (e2 < 1e-4) {
     // For e -> 0, the derivative tends to 1.5.
-    // Returning the limit causes an error of about e², too small to change the number of iterations noticeably.
+    // The limit 1.5 has an error of about e², which hardly changes the number of iterations.
     return 1.5;
   }
   return 2.0 + ((k * k * ratio - complement) / e2 + ratio * complement) / (ratio * complement);

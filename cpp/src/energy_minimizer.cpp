@@ -11,7 +11,7 @@
 namespace stiction {
 namespace {
 
-// A step changes small gaps by at most this multiple of the range of the attraction, so that no equilibrium is missed.
+// A step changes a small gap by at most this multiple of the attraction's range, so that no equilibrium is skipped.
 constexpr double max_gap_change = 2.0;
 constexpr double small_gap = 5.0;  // largest small gap, as a multiple of the range of the attraction
 // Gap beyond which the line search neglects the attraction, as a multiple of the range of the attraction.
@@ -19,7 +19,7 @@ constexpr double negligible_attraction_gap = 30.0;
 // First step of the line search, as a fraction of a full step.
 // The step is doubled until the energy increases, so that the line search finds the first minimum.
 constexpr double initial_step_fraction = 0.125;
-// The line search ends if the slope of the energy is below this fraction of the initial slope.
+// The line search ends once the slope of the energy is below this fraction of the initial slope.
 constexpr double max_slope_ratio = 0.05;
 constexpr double max_step_length = 1e4;
 constexpr int max_line_search_steps = 12;
@@ -89,7 +89,7 @@ STICTION_INLINE double contact_pressure(double gap, double sum, double hardness)
   return gap > 0.0 ? 0.0 : closed;
 }
 
-// Write the residual on the original grid: net pressure plus attraction minus contact pressure.
+// Write the residual on the original grid: (net pressure) + (attraction) - (contact pressure).
 STICTION_MULTIVERSION
 ResidualSums subtract_stresses(const double* net_pressure, const double* gap, const double* attraction, double hardness,
                                std::size_t size, float* __restrict residual) {
@@ -148,7 +148,7 @@ void negate(float* values, std::size_t size) {
   }
 }
 
-// Set the gap changes of points that stay in contact to 0.
+// Set the gap changes to 0 at points that stay in contact.
 STICTION_MULTIVERSION
 void fix_contacts(const double* gap, const float* residual, std::size_t size, float* __restrict changes) {
   for (std::size_t i = 0; i < size; ++i) {
@@ -181,7 +181,7 @@ struct Edges {
 
 // Set a gap change to 0 if the gap is zero and the residual has the same sign as the gap change.
 // The change of the displacement is the change of the gap plus the change of the approach.
-// Returns the scalar product of gap changes and residual, and the largest change of a small gap.
+// Returns two numbers: scalar product of gap changes and residual, and largest change of a small gap.
 STICTION_MULTIVERSION
 Edges fix_edges(const double* gap, const float* residual, double largest_small_gap, float approach, std::size_t size,
                 float* __restrict direction, float* __restrict displacement_change) {
@@ -266,7 +266,7 @@ struct EnergyMinimizer::Residual {
   double approach = 0.0;
 };
 
-// Direction of a step: slope of the energy along the direction, and largest change of a small gap.
+// Slope of the energy along the direction of a step, and largest change of a small gap in this step.
 struct EnergyMinimizer::Direction {
   double slope = 0.0;
   double max_change = 0.0;

@@ -6,7 +6,7 @@
 
 namespace stiction::gsl {
 
-/// Solve a symmetric tridiagonal system with equal numbers on the diagonal, and equal numbers beside the diagonal.
+/// Solve a symmetric tridiagonal system with constant diagonals: all elements of a diagonal are equal.
 /// `solution` must not alias `right_side`. Throws std::runtime_error with GSL's message.
 void solve_tridiagonal(double diagonal, double off_diagonal, Values right_side, std::span<double> solution);
 

@@ -32,7 +32,7 @@ constexpr std::size_t min_points_per_axis = 16;
 constexpr std::size_t max_influence_points = std::size_t{1} << 20;
 // Relative tolerance of solutions on coarser grids. The discretisation error of these solutions is larger.
 constexpr double coarse_tolerance = 3e-3;
-// On an area, the solution at another load is the starting point if the loads differ by at most this factor.
+// On an area, the solver starts from the solution at another load if both loads differ by at most this factor.
 constexpr double max_load_ratio = 1.3;
 // Limits on the numbers of iterations. The finest grid rarely requires a hundred iterations.
 // Coarser grids may stop early, because their solutions are only starting points.
@@ -54,7 +54,7 @@ constexpr std::size_t max_dense_points = 1024;
 // `max_selected_points` limits the size of the matrix to 16 MiB.
 constexpr std::size_t max_matrix_ratio = 16;
 constexpr std::size_t max_selected_points = 2048;
-// Points are selected for the dense matrix if their gap is below `selection_approach_ratio` times the approach.
+// A point is selected for the dense matrix if its gap is below `selection_approach_ratio` times the approach.
 // Both the gap and the approach are measured from the lowest gap of the grid.
 constexpr double selection_approach_ratio = 1.1;
 constexpr std::size_t points_per_task = std::size_t{1} << 16;
@@ -84,7 +84,7 @@ double spacing_ratio(std::size_t points, std::size_t coarser, bool periodic) {
   return periodic ? static_cast<double>(points) / static_cast<double>(coarser) : 2.0;
 }
 
-// Return Σ (value - about)^Exponent over all values. Several partial sums allow vectorisation.
+// Return Σ (value - about)^Exponent over all values. Several partial sums allow the loop to be vectorised.
 template <int Exponent>
 STICTION_INLINE double central_sum(const double* values, std::size_t size, double about) {
   std::array<double, 8> sums{};
@@ -121,7 +121,7 @@ double relative_spacing(std::size_t old_points, std::size_t new_points, bool per
   return old_points > new_points ? 2.0 : 0.5;
 }
 
-// Position between a point of a grid and the next point, as a fraction of the grid spacing.
+// Position between two neighbouring points of a grid: left point, and distance from the left point in grid spacings.
 struct Position {
   std::size_t left = 0;
   double fraction = 0.0;
@@ -140,7 +140,7 @@ std::size_t previous_point(std::size_t point, std::size_t points, bool periodic)
 }
 
 // Interpolate gaps linearly along one axis to a coarser grid of the same length.
-// Each interpolated value may be a whole row of `width` gaps.
+// A value to be interpolated is a single gap, or a row of `width` gaps.
 void coarsen_gap_along(Values gap, std::size_t blocks, std::size_t old_points, std::size_t new_points,
                        std::size_t width, bool periodic, std::vector<double>& result) {
   result.resize(blocks * new_points * width);
@@ -177,7 +177,7 @@ std::vector<double> coarsen_gap(Values gap, const Grid& from, const Grid& to, st
 // Interpolate pressures at a fraction of the spacing between each point `left` and its right neighbour `right`.
 // `before` is the left neighbour of `left`, and `after` is the right neighbour of `right`.
 // Inside the contact, near its edge, the squared pressure is proportional to the distance from the edge.
-// Towards a point out of contact, the squared pressure is extrapolated linearly from two points in contact.
+// If `left` or `right` is out of contact, the squared pressure is extrapolated linearly from two points in contact.
 // The extrapolated pressure vanishes at the point out of contact or closer to the contact.
 STICTION_MULTIVERSION
 void interpolate_pressure(const double* before, const double* left, const double* right, const double* after,
@@ -195,7 +195,7 @@ void interpolate_pressure(const double* before, const double* left, const double
 }
 
 // Interpolate the pressures of one row to a grid with the given number of columns.
-// `padded` is memory for the row and its neighbours, and `midpoints` is memory for the pressures between points.
+// `padded` is a buffer for the row and its neighbours. `midpoints` is a buffer for the pressures between points.
 void refine_row(std::span<const double> row, bool periodic, std::span<double> result, std::vector<double>& padded,
                 std::vector<double>& midpoints) {
   const std::size_t columns = row.size();
@@ -305,7 +305,7 @@ class LevelSolver {
   // Return whether the potential was recomputed exactly and no step was taken since then.
   bool is_exact() const { return is_exact_; }
   // Return whether the potential is known at every point whose pressure bound is above 0.
-  // `has_all_potentials` is meaningful only if each point has its own pressure bound.
+  // The returned value is meaningful only if each point has its own pressure bound.
   bool has_all_potentials() const { return !selected_points_ || selects_all_points_; }
 
   // Update the free points. While the approach exceeds `max_approach_`, select more points that can come into contact.
@@ -319,7 +319,7 @@ class LevelSolver {
     return error;
   }
 
-  // `exact` selects double precision for transforms. Potentials of selected points always have double precision.
+  // If `exact`, transforms use double precision. Potentials of selected points always have double precision.
   // Single precision is enough for a potential that is recomputed later, and for an estimate.
   void recompute_potential(bool exact) {
     const Values pressure = cg_.pressure();
@@ -445,7 +445,8 @@ class LevelSolver {
   bool is_exact_ = false;
 };
 
-// Return ln(approach / target) - ln((full_contact - approach) / (full_contact - target)).
+// Return how far an approach is above the target, on a logarithmic scale:
+// ln(approach / target) - ln((full_contact - approach) / (full_contact - target)).
 // If `full_contact` is infinite, the second logarithm is 0.
 double log_excess(double approach, double target, double full_contact) {
   if (approach >= full_contact) {
@@ -602,7 +603,7 @@ HalfSpaceSolver::HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrid
   displacement_scale_ = unit_load_deviation(pool);
 }
 
-// Return the root-mean-square deviation of the displacements from their mean, per mean pressure [µm/GPa].
+// Return the root-mean-square deviation of the displacements from their mean [µm/GPa], divided by the mean pressure.
 // The pressure is uniform or, if each point has its own bound, proportional to the bounds.
 double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
   const Grid& grid = grids_->levels()[0];
@@ -616,7 +617,8 @@ double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
     std::transform(bound_.begin(), bound_.end(), values.begin(), [&](double bound) { return bound / mean; });
     grids_->kernels(0, pool).points->displacement(values, values, memory->workspace, pool);
     const double deviation = standard_deviation(values);
-    // The deviation is only round-off if the bounds are the pressures that displace all points equally.
+    // If the bounds are the pressures that displace all points equally, `deviation` is only round-off.
+    // On free grids, the deviation under uniform pressure is therefore a lower limit.
     if (!grid.periodic) {
       return std::max(deviation, grids_->uniform_pressure_deviation());
     }
@@ -670,7 +672,7 @@ HalfSpaceSolution HalfSpaceSolver::at(double mean_pressure, Values near, const T
 
 // Find the root of `log_excess` as a function of ln(load) by the secant method (Illinois algorithm).
 // Periodic surfaces are in full contact if the approach is at least the mean gap.
-// On periodic surfaces, `log_excess` includes the remaining distance to full contact.
+// On periodic surfaces, `log_excess` also contains the remaining distance to full contact.
 HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, const ThreadPool& pool,
                                                const HalfSpaceProgress& progress) const {
   const Grid& grid = grids_->levels()[0];
@@ -698,7 +700,7 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
     const double excess = log_excess(solution.approach, approach, full_contact);
     const bool above = excess > 0.0;
     std::optional<End>& other = ends[above ? 0 : 1];
-    // If two successive trial loads lie on the same side of the target, the excess at the opposite end is halved.
+    // If two successive trial loads are on the same side of the target, the excess at the other end is halved.
     if (previous_above == above && other) {
       other->excess *= 0.5;
     }

@@ -37,7 +37,7 @@ constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20
 constexpr Index block = 1024;
 // Number of blocks after which the recurrence of a harmonic is restarted from its phase.
 constexpr Index blocks_per_restart = 8;
-// The recurrence of a harmonic advances by `lanes` points in each step, and each SIMD lane has its own recurrence.
+// A harmonic advances by `lanes` points in each step. Each SIMD lane has its own recurrence.
 constexpr std::size_t lanes = 32;
 constexpr std::size_t doublings = 5;
 static_assert(lanes == 1 << doublings && block % lanes == 0);
@@ -58,11 +58,12 @@ double to_radians(Turns turns) {
 
 Complex unit_phasor(Turns turns) { return std::polar(1.0, to_radians(turns)); }
 
-// Harmonic Re[A e^(i k x)]. Each step d -= 4 sin²(θ/2) z, z += d advances z by `lanes` points, with θ = `lanes` k Δx.
+// Harmonic Re[A e^(i k x)], computed by a recurrence. With θ = `lanes` k Δx, each step advances z by `lanes` points:
+// d -= 4 sin²(θ/2) z, then z += d.
 // The round-off of a harmonic's recurrence is proportional to the number of steps, even for very small θ.
 struct Harmonic {
   alignas(cache_line) std::array<double, lanes> z;  // values at the next `lanes` points
-  // Differences between the values z and the values that are `lanes` points earlier.
+  // Values z minus the values of the preceding `lanes` points.
   alignas(cache_line) std::array<double, lanes> d;
   double rate;                               // 4 sin²(θ/2)
   Complex amplitude;                         // complex amplitude at x = 0
@@ -146,7 +147,7 @@ std::vector<Group> make_groups(MatrixView phases, const HarmonicGrid& grid) {
 }
 
 // Subtract the next block of `count` harmonics from the profile. Each height is loaded and stored only once.
-// So few SIMD lanes are processed in one pass that all values of z and d stay in registers.
+// One pass processes so few SIMD lanes that all values of z and d stay in registers.
 template <std::size_t Width, std::size_t count>
 STICTION_INLINE void subtract(double* values, Harmonic* harmonics) {
   constexpr std::size_t packs = Width == 8 ? 4 : 2;
@@ -212,7 +213,7 @@ void next_block(Group& group, Index first, double* values) {
   }
 }
 
-// Compute sums(row, j) = Σ_n weights(row, n) values[n][j] for `rows` rows and all j < block.
+// Compute, for `rows` rows and all points j < block, sums(row, j) = Σ_n weights(row, n) values[n][j].
 // A tile of sums stays in registers for all frequencies n. The order of additions does not depend on the tile.
 template <std::size_t Width, std::size_t rows, std::size_t packs>
 STICTION_INLINE void tile_product(const double* weights, const double* values, std::size_t frequencies, double* sums,
@@ -268,7 +269,7 @@ STICTION_KERNEL(one_row,
                 (weights, values, frequencies, sums, stride))
 
 // Compute all rows of one complete block. `sums` points to the first column of the block.
-// Calls `after(begin, end)` once rows `begin` to `end - 1` are complete, while these rows are still in the cache.
+// Calls `after(begin, end)` as soon as rows `begin` to `end - 1` are complete, while these rows are still in the cache.
 template <class After>
 void product(const Eigen::Map<const Matrix>& weights, const double* values, double* sums, Index stride,
              const After& after) {

@@ -46,7 +46,7 @@ STICTION_INLINE void compute_log1p(const RepetitionChunk& arguments, std::size_t
   }
 }
 
-// Call `add(value, lane)` for all values of a chunk, where `lane` selects a partial sum.
+// Call `add(value, lane)` for each value of a chunk. `lane` is the number of the partial sum for the value.
 template <class Add>
 STICTION_INLINE void for_each_lane(const RepetitionChunk& values, std::size_t size, Add add) {
   std::size_t i = 0;

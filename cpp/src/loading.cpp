@@ -14,7 +14,7 @@ struct Point {
   double f;
 };
 
-// Bracketing search for one root. `latest` is the latest estimate, and `previous` is the estimate before it.
+// Search for one root in a bracket. `latest` is the latest estimate, and `previous` is the estimate before `latest`.
 // The root lies between the arguments of `latest` and `opposite`.
 struct RootSearch {
   Point latest;

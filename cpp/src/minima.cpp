@@ -22,7 +22,7 @@ constexpr double merge_distance = 1e-6;
 
 // The spline in a cell lies within the range of its 16 coefficients.
 // Each derivative of the spline lies within the range of the differences of its 16 coefficients.
-// A minimum is possible if a coefficient is at most `max_value`, and if the ranges of both derivatives contain zero.
+// A cell can have a minimum only if a coefficient is at most `max_value`, and both ranges of derivatives contain zero.
 
 STICTION_INLINE double smaller(double a, double b) { return a < b ? a : b; }
 STICTION_INLINE double larger(double a, double b) { return a > b ? a : b; }

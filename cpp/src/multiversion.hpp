@@ -1,5 +1,5 @@
 // Function multiversioning: hot loops are compiled for several instruction sets.
-// The loader selects the widest instruction set that the machine supports.
+// At load time, the loader selects the versions for the widest instruction set that the machine supports.
 // STICTION_MULTIVERSION is for plain loops, which the compiler vectorises automatically.
 // STICTION_KERNEL is for loops that use SIMD registers explicitly, so that important values stay in registers.
 #pragma once
@@ -91,7 +91,7 @@ using Pack = typename PackOf<Width>::Type;
 inline constexpr std::size_t widest_pack = 8;
 
 // Load a SIMD register from unaligned memory.
-// std::memcpy is not used, because GCC would split the copy before the instruction set is known.
+// std::memcpy is not used here, because GCC would split the copy before it knows the instruction set.
 template <std::size_t Width>
 STICTION_INLINE Pack<Width> load(const double* values) {
   return reinterpret_cast<const typename PackOf<Width>::Unaligned*>(values)->pack;

@@ -10,8 +10,8 @@
 namespace stiction {
 namespace {
 
-// At each open side of a cell, a point under pressure extends beyond the true contact by this fraction of the cell.
-// On profiles, the fraction is half of 0.38 ± 0.03 points per contact, from Westergaard's solution for a sinusoid.
+// At each open side, a cell under pressure extends beyond the true contact by this fraction of the cell.
+// On profiles, Westergaard's solution for a sinusoid gives 0.38 ± 0.03 points per contact, and half of this per side.
 constexpr double line_side_fraction = 0.19;
 constexpr double area_side_fraction = (std::numbers::pi - 1 + std::numbers::ln2) / 24;
 
@@ -170,7 +170,7 @@ PatchSums patch_sums(std::span<const ContactView> contacts, Values slope_y, Valu
         const double rise = slope_x[point] * x + along_y(point) * y;  // -q s·n
         const double across = slope_x[point] * y - along_y(point) * x;
         // The tangent t is (-s + (s·n) n) / sqrt(1 - (s·n)²).
-        // With sqrt(1 - (s·n)²) = level/q, the upward friction q F t_z equals -F rise/level.
+        // With sqrt(1 - (s·n)²) = level/q, the upward component q F t_z of the friction equals -F rise/level.
         const double level = std::sqrt(1 + across * across);
         const double upward = -rise / level;
         sums.leaning[at] += rise * force;

@@ -15,7 +15,7 @@ namespace {
 // Columns are copied in strips of 4 pairs of columns, whose heights in one row fill a cache line.
 constexpr Index pairs_per_strip = 4;
 
-// Derivative of two periodic lines at a time, which are the real and the imaginary part of complex values.
+// Derivative of two periodic lines in one transform: one line is the real part, and the other the imaginary part.
 class PairDerivative {
  public:
   PairDerivative(Index points, double spacing)

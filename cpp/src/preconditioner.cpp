@@ -13,10 +13,10 @@ namespace {
 // The conjugate-gradient steps for the blocks end once the squared relative residual falls below `block_tolerance`.
 constexpr int max_block_steps = 5;
 constexpr double block_tolerance = 1e-4;
-// The foundation stiffness is reused if the number of free points changes by at most this fraction.
+// The foundation stiffness is computed again only if the number of free points changes by more than this fraction.
 constexpr double max_foundation_change = 0.02;
 constexpr std::size_t points_per_block_task = std::size_t{1} << 16;
-// Maximum number of tasks, each of which computes partial sums of the blocks.
+// Maximum number of tasks. Each task computes partial sums for the blocks.
 constexpr std::size_t max_tasks = 8;
 
 double product(const std::vector<float>& left, const std::vector<float>& right) {

@@ -26,7 +26,7 @@ constexpr int max_failed_steps = 6;
 constexpr double failure_factor = 0.25;
 // Upper limit of the load change at a free point, relative to the load on all free points.
 // With a larger change at a free point, round-off would affect the total load.
-// Without `max_change_ratio`, step lengths would grow indefinitely, because steps that end at a bound are too short.
+// Without `max_change_ratio`, step lengths would grow without limit, because steps that end at a bound are too short.
 constexpr double max_change_ratio = 1e3;
 constexpr int max_newton_steps = 200;
 constexpr std::size_t grid_sum_lanes = 8;
@@ -59,7 +59,7 @@ bool mark_free(const double* pressure, const double* potential, const double* bo
   return any != 0;
 }
 
-// Write values of a linear function: from + slope · first, from + slope · (first + 1), and so on.
+// Write the values from + slope · j of a linear function for j = first, first + 1, and so on.
 STICTION_MULTIVERSION
 void write_line(float from, float slope, std::int32_t first, std::int32_t count, float* values) {
   for (std::int32_t j = 0; j < count; ++j) {
@@ -187,7 +187,7 @@ double shift_to_sum(std::span<const double> pressure, std::span<const double> bo
     }
     (excess > 0.0 ? left : right) = shift;
     double next = current.between > 0.0 ? shift + excess / current.between : left + 0.5 * (right - left);
-    // `next` is infinite or NaN if no pressure lies strictly between the bounds and one end of the bracket is infinite.
+    // `next` is infinite or NaN if each pressure is at a bound and one end of the bracket is infinite.
     if (!std::isfinite(next)) {
       const auto [lowest, highest] = std::minmax_element(pressure.begin(), pressure.end());
       const double max_bound = *std::max_element(bound.begin(), bound.end());
@@ -241,7 +241,7 @@ ProjectedCgSolver::ProjectedCgSolver(std::vector<double> pressure, double total,
   if (!(total > 0.0) || !(total < max_total)) {
     throw std::invalid_argument("ProjectedCgSolver: total must be positive and below the sum of the bounds");
   }
-  // If the bounds of the points under pressure add up to less than the total load, the step includes all points.
+  // If the points under pressure cannot carry the total load within their bounds, the step includes all points.
   const auto include = [&](std::size_t i) {
     stepped_points_.push_back(static_cast<std::int32_t>(i));
     target_.push_back(pressure_[i]);
@@ -397,8 +397,8 @@ void ProjectedCgSolver::find_free_points(std::size_t first, std::size_t last, st
 
 // Return the approach if each point has either no pressure or the pressure at its upper bound.
 // At the returned approach, points at their bound must have no gap, and points without pressure must not overlap.
-// If no potential without pressure is below the largest potential under pressure, the approach is this potential.
-// Otherwise, no such approach exists, and the returned approach lets some of the points become free.
+// If no point without pressure has a potential below the largest potential under pressure, the largest is returned.
+// Otherwise, no approach meets these conditions, and some of the points become free at the returned approach.
 double ProjectedCgSolver::approach_from_bounds() const {
   double max_loaded = -std::numeric_limits<double>::infinity();
   double min_unloaded = std::numeric_limits<double>::infinity();
@@ -415,7 +415,7 @@ double ProjectedCgSolver::approach_from_bounds() const {
 // Call the visitor for each run of constrained points, which lies between two free points.
 // The visitor receives the positions of the two free points in `free_points_`, and the length of the run.
 // A run that wraps around the edge of the grid is passed as two segments.
-// A segment has a first point, a length, and an offset in the run of constrained points.
+// A segment consists of its first point, its length, and the position of its first point in the run.
 template <class Visit>
 void ProjectedCgSolver::for_each_constrained_run(Visit visit) const {
   const auto size = static_cast<std::int32_t>(pressure_.size());
@@ -484,7 +484,7 @@ std::span<const float> ProjectedCgSolver::step(std::span<const float> preconditi
   restrict_to_free_points(preconditioned);
   conjugate_ = conjugate_ && !response.empty();
   struct Products {
-    // Total load of the free points. Each step must conserve this load, or errors would grow from step to step.
+    // Total load of the free points. Each step must leave this load unchanged, or errors would grow from step to step.
     double load = 0.0;
     double value = 0.0;
     double step = 0.0;

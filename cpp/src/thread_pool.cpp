@@ -81,7 +81,7 @@ struct ThreadPool::Workers {
   }
 
   // Start one thread. Returns false if the system cannot create another thread, for example because of a limit.
-  // Does not throw if the thread cannot start, because the calling thread can finish the calculation alone.
+  // If the thread cannot start, no exception is thrown, because the calling thread can finish the calculation alone.
   bool start_thread() {
     try {
       threads.emplace_back([this, thread = threads.size() + 1] { run(thread); });

@@ -84,7 +84,7 @@ TEST_CASE("areal press: a paraboloid on a flat has one elliptic contact for all 
 }
 
 TEST_CASE("tangent: is a unit tangent and matches the sliding factors, also at walls along the motion") {
-  // The normal of the wall has the vertical component `up`, and is rotated by `turn` relative to the motion.
+  // The normal of the wall has the vertical component `up`. Seen from above, the normal is `turn` from the motion.
   // If `up` and `turn` are small, the tangent t is almost perpendicular to the motion s.
   // If the tangent t is almost perpendicular to the motion s, the vector form (s·n) n - s loses digits by cancellation.
   for (const double turn : {0.0, 1e-9, 1e-6, 1e-3, 0.5}) {

@@ -74,7 +74,7 @@ __all__ = sorted(_MODULES_BY_PUBLIC_NAME)
 
 
 def __getattr__(name: str) -> object:
-    # Most commands use no public name, so `importlib` is imported only on demand.
+    # Most commands use none of the package's public names, so `importlib` is imported only on demand.
     from importlib import import_module
 
     if name not in _MODULES_BY_PUBLIC_NAME:

@@ -18,7 +18,7 @@ MAX_SIGNIFICANT_DIGITS = 4
 INFINITE_LIMIT_TEXT = "\N{INFINITY}"
 # An upper limit above this multiple of the value is printed with one significant digit.
 MAX_FULL_PRECISION_LIMIT_RATIO = 100.0
-# Codes that replace the number of decimals of an upper limit in the result of `count_estimate_decimals`.
+# `count_estimate_decimals` returns these codes if a text contains no interval, or a limit with an exponent.
 DECIMALS_CODE_OF_NO_INTERVAL = -128
 DECIMALS_CODE_OF_EXPONENT = -127
 # Rounding keeps at most this number of decimals, and zeroes at most this number of digits before the decimal point.

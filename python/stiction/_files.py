@@ -28,7 +28,7 @@ MAX_PARTIAL_FILE_AGE = 3600.0
 # Time (s) between two refreshes of a directory claim, so short that a claim survives a few failed refreshes.
 CLAIM_REFRESH_INTERVAL = 300.0
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
-# Random text that identifies a run. A process number is not enough, because the operating system reuses it.
+# Random text that identifies a run. The process number would not suffice, because the operating system reuses numbers.
 _PROCESS_TOKEN = secrets.token_hex(4)
 # A mark that shows the type of a file is searched for in this number of bytes at each end of the file.
 _NUM_SEARCHED_BYTES = 2**16

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 NOTEBOOK_IMAGE_DPI = 110  # dots per inch
 NOTEBOOK_IMAGE_SIZE = (4.6, 3.2)  # inches
-# A figure of at most this width (inches) fills one column, and gets a higher resolution in a notebook.
+# A figure of at most this width (inches) fits into one column of a page. A notebook shows it with more dots per inch.
 MAX_ONE_COLUMN_WIDTH = 4.0
 # Level 4 of zlib takes half the time of level 6, and makes images of maps 10 % larger.
 PNG_COMPRESSION = 4

@@ -504,7 +504,7 @@ def _open_stored_test(directory: Path, key: str, *, replace: bool) -> xr.Dataset
     Returns None if there is no test that can be reused.
     """
     test = load_shear_test(directory)
-    if test is None or (replace and "gap" not in test):  # old files have no gap and no closure
+    if test is None or (replace and "gap" not in test):  # files of earlier versions lack gap and closure
         return None
     if test.attrs.get("key") == key:
         return test

@@ -24,7 +24,7 @@ struct HeightStatistics {
 };
 
 /// Accumulator of the height statistics of a profile whose heights arrive in chunks, from left to right.
-/// The statistics do not depend on the chunk sizes if every chunk except the last has a multiple of `lanes` heights.
+/// The statistics do not depend on the chunk sizes if each chunk but the last contains a multiple of `lanes` heights.
 class HeightAccumulator {
  public:
   static constexpr std::size_t lanes = 32;

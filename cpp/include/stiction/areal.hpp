@@ -7,15 +7,15 @@
 // The contact normal is kept constant as the overlap grows: its rotation is of second order in overlap/radius.
 //
 // If the edge of the map cuts a contact ellipse, the Hertzian pressure is integrated over the part inside the map.
-// The force and the area of a contact at the edge of the map never decrease when the approach grows.
+// As the approach grows, the force and the area of a contact at the edge of the map never decrease.
 //
 // Round-off must not decide whether a nearly level minimum of the gap is a contact.
 // The following rules make the result independent of rotating, mirroring, swapping or shifting the pair of maps:
-// - Slopes and curvatures, as derivatives by the grid index [µm], count as zero up to 2^-26 of the range of the gap.
-// - The limit for zero slopes and curvatures is at least 2^-42 of the largest height, because of round-off.
+// - Slopes and curvatures with respect to the grid index [µm] count as zero up to 2^-26 of the range of the gap.
+// - Because of round-off, slopes and curvatures also count as zero up to 2^-42 of the largest height.
 // - A minimum of the gap that is not curved upwards in every direction is a level valley or plateau.
 // - A level valley or plateau of the gap is not a contact, because it has no single lowest point.
-// - Grid points on a level plateau count as grid minima of the gap, although the spline of the gap has no minimum.
+// - A grid point on a level plateau counts as a grid minimum of the gap, although the spline has no minimum.
 // - A surface that is flat in one or both directions, but not concave, counts as a summit.
 // - A contact whose slope along the motion is zero does not oppose the motion.
 #pragma once
@@ -45,7 +45,7 @@ struct SurfacePair {
 /// Contact normal, and principal radii of the gap, at a point where two surfaces have the same slope p.
 /// `xx, xy, yy` [1/µm] are the elements of the Hessian matrix of the gap at the contact point.
 /// With q = sqrt(1 + p²), the principal curvatures of the gap are the eigenvalues of the Hessian matrix, divided by q.
-/// The eigenvalues of the Hessian matrix are computed in the metric I + p pᵀ of the tangent plane.
+/// The eigenvalues refer to the metric of the tangent plane, which is I + p pᵀ.
 struct ContactGeometry {
   Vector3 normal;  ///< unit vector from the lower to the upper surface, (-p, 1)/q
   Radii radii;     ///< principal radii of the relative curvature, both > 0
@@ -55,7 +55,7 @@ struct ContactGeometry {
 /// Compute the contact geometry from the slope of the surfaces and from a positive definite Hessian matrix of the gap.
 ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, double yy);
 
-/// Local minimum of the gap. The surfaces touch at this minimum if the approach is larger than `gap`.
+/// Local minimum of the gap, at which the surfaces touch if the approach is larger than the member `gap`.
 struct ArealCandidate {
   Index row;         ///< row of the first grid point of the cell that contains the minimum
   Index column;      ///< column of the first grid point of the cell that contains the minimum
@@ -84,12 +84,12 @@ struct ArealCandidates {
   Index columns;    ///< number of columns of the maps
 };
 
-/// Relative tolerance within which two heights count as equal.
-/// A height difference below 2^-46 of the largest height may be due to round-off of the heights or of the spline.
+/// Two heights count as equal if they differ by less than this fraction of the largest height.
+/// A height difference below this fraction may be round-off of the heights or of the spline.
 inline constexpr double round_off_fraction = 0x1p-46;
 
 /// Relative tolerance within which a valley of the gap counts as level.
-/// Derivatives by the grid index are height differences [µm], and count as zero up to 2^-26 of the gap range.
+/// A slope or curvature with respect to the grid index [µm] counts as zero up to this fraction of the range of the gap.
 /// With a tolerance of 2^-26, a minimum is located to about 1e-8 of a grid spacing.
 inline constexpr double level_fraction = 0x1p-26;
 
@@ -110,11 +110,11 @@ struct ArealSums : Sums {
   double load_at_edge = 0.0;        ///< Σ F n_z [mN] of contacts whose ellipse is cut by the edge of the map
   /// Number of grid points whose gap is at most the approach, and at most the gap of every neighbour.
   Index grid_minimum_count = 0;
-  /// Number of grid minima (see `grid_minimum_count`) whose four adjacent cells contain no minimum of the spline.
+  /// Number of grid minima (see `grid_minimum_count`) without a minimum of the spline in the four adjacent cells.
   Index unanswered_count = 0;
 };
 
-/// Name, unit and description of a sum that `ArealSums` has in addition to the sums of `Sums`.
+/// Name, unit and description of a sum that is a member of `ArealSums` but not of `Sums`.
 struct ArealQuantity {
   std::string_view name;
   std::string_view unit;

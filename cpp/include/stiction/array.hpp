@@ -1,6 +1,6 @@
 // Matrices and vectors of the library: double precision, row-major. Units: values.hpp.
 //
-// No compiled function of the library takes, returns or contains an Eigen array that owns its memory.
+// No compiled function of the library has an argument, result or variable that is an Eigen array with its own memory.
 // Compiler flags such as -mavx and -fsanitize=address change how Eigen allocates and aligns memory.
 // The linker keeps one version of each Eigen function, even if program and library were compiled with different flags.
 // An Eigen array could therefore be freed by a function that does not match the function which allocated the array.

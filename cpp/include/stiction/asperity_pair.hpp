@@ -4,7 +4,7 @@
 // Every type of asperity pair has the members `contact_at(approach)` and `is_separated(approach)`.
 // Positions are relative to the point of the lower surface at which the two asperities face each other.
 // The approach [µm] is the displacement of the upper surface towards the lower surface since first contact.
-// `gap` [µm] is the vertical distance between facing points of two asperities when the surfaces first touch.
+// `gap` [µm] is the vertical distance between the facing points of two asperities at first contact of the surfaces.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -40,7 +40,8 @@ struct ContactPoint {
 enum class Curvature { convex, signed_ };
 
 /// Two spheres, at most one of which is concave (Eq. 4).
-/// At the penetration p = δ - gap, the vector between the sphere centres is X = -p e_z + R_l n_l - R_u n_u.
+/// At the approach δ, the penetration is p = δ - gap.
+/// At the penetration p, the vector between the sphere centres is X = -p e_z + R_l n_l - R_u n_u.
 /// The overlap of the spheres is R_u + R_l minus the signed length of X.
 /// On nearly flat surfaces, R_u + R_l - |X| is a difference of two large numbers that loses all correct digits.
 /// To avoid cancellation, the overlap is evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|).
@@ -93,7 +94,7 @@ std::optional<SphereOnFlat> sphere_on_flat(const Asperity& sphere, Side sphere_s
 Radii radii(const AsperityPair& asperity_pair);
 
 /// Class of a contact point.
-/// The class `crossed` means that the normal points downwards, because the sphere centres have passed each other.
+/// In the class `crossed`, the normal points downwards, because the sphere centres have passed each other.
 enum class ContactClass { no_contact, crossed, contact };
 
 /// Classify a contact point by its overlap, its normal and the position of the contact centre.
@@ -124,7 +125,8 @@ inline bool SpherePair::is_separated(double approach) const { return !(overlap_n
 
 inline ContactPoint SphereOnFlat::contact_at(double approach) const {
   const double penetration = approach - gap;
-  // The overlap along the normal n of the flat is R ± centre · n + penetration · n_z.
+  // Along the normal n of the flat, the overlap is radius ± centre · n + penetration · n_z.
+  // The sign is + if the sphere is the lower body.
   const double overlap = radius + (sphere_is_lower ? 1.0 : -1.0) * centre.dot(normal) + penetration * normal.z();
   const double depth = radius - 0.5 * overlap;
   if (sphere_is_lower) {

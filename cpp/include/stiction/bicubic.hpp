@@ -11,7 +11,7 @@ constexpr Index min_map_points = 4;
 
 /// Replace heights [µm] by the coefficients [µm] of the B-spline that interpolates the heights.
 /// The inner elements of `coefficients` contain the heights. The outermost rows and columns are only written.
-/// The round-off of the coefficients is about 1e-16 of the largest height.
+/// The coefficients have a round-off of about 1e-16 of the largest height.
 /// Throws std::invalid_argument for fewer than 4 by 4 heights.
 void natural_bicubic(Eigen::Ref<Matrix> coefficients);
 
@@ -33,7 +33,7 @@ struct Jet {
 };
 
 /// Evaluate the spline in the cell between rows `row`, `row + 1` and columns `column`, `column + 1`.
-/// The numbers u and v are the positions in the cell along x and y, as fractions of the cell size.
+/// `u` and `v` are the positions in the cell along x and y, in units of the grid spacing.
 /// If u or v lies slightly outside [0, 1], the polynomial of the cell is extrapolated.
 Jet bicubic_at(const MatrixView& coefficients, Index row, Index column, double u, double v);
 

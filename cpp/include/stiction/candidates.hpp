@@ -19,7 +19,7 @@ namespace stiction {
 
 /// Method of contact detection.
 /// With `cell`, a grid point is in contact if the contact centre lies within half a spacing of the point (Eq. 5).
-/// With `gap_minimum`, each local minimum of the spline of the gap is one candidate, whatever the approach.
+/// With `gap_minimum`, each local minimum of the spline of the gap is one candidate, the same at all approaches.
 /// The result of `gap_minimum` does not depend on the grid if the grid resolves the surfaces.
 enum class Detection { cell, gap_minimum };
 
@@ -50,7 +50,7 @@ struct Candidate {
 };
 
 /// Call `visit(candidate)` for every candidate whose gap is at most `deepest` [µm] >= 0, from left to right.
-/// With Detection::cell, candidates that cannot touch within their cells at approaches up to `deepest` may be omitted.
+/// With Detection::cell, the function may omit candidates that touch within their cells at no approach up to `deepest`.
 /// Both profiles must have the same number of heights, at least 4. Heights must be finite, and the spacing positive.
 /// Throws std::invalid_argument if the profiles do not meet these requirements.
 void for_each_candidate(const ProfilePair& pair, double deepest, Detection detection, Curvature curvature,

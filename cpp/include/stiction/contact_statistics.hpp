@@ -34,7 +34,7 @@ struct ContactStatistics {
 /// `probabilities` are the probabilities of the quantiles. Small contacts cover at most `max_small_cells` grid cells.
 /// Area quantiles are linearly interpolated between the sorted areas.
 /// Pressure quantiles are interpolated on the cumulative weight of the sorted pressures.
-/// On the axis of cumulative weight, a pressure lies in the middle of the interval that its weight occupies.
+/// The cumulative weight of a pressure includes the weights of all smaller pressures and half of its own weight.
 /// Throws std::invalid_argument if arrays of `table` differ in length, or if `table` has no contacts or no pressures.
 /// Also throws std::invalid_argument if `probabilities` are not in increasing order.
 ContactStatistics contact_statistics(const ContactTable& table, Values probabilities, double max_small_cells);

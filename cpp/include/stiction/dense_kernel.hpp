@@ -16,7 +16,7 @@ namespace stiction {
 class DenseKernel {
  public:
   /// `influence` contains the displacement [µm/GPa] of each grid point due to a pressure on the first grid point.
-  /// `influence` must outlive the DenseKernel. The constructor does not check that `points` are on the grid.
+  /// `influence` must outlive the DenseKernel. The constructor does not check whether all `points` are on the grid.
   /// Throws std::invalid_argument for 2³¹ grid points or more, and unless `influence` has one value per grid point.
   DenseKernel(Values influence, const Grid& grid, std::vector<std::size_t> points);
 

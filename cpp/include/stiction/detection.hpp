@@ -43,7 +43,7 @@ std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilte
 
 /// Return an upper bound [µm] on the distance by which the spline of the gap dips below the smallest gap on the grid.
 /// The bound is 3/8 of the largest second difference D of the gap between successive points.
-/// The factor 3/8 follows from |f''| <= 3 D/Δx² of a natural spline, and from a dip of at most Δx²/8 max |f''|.
+/// The factor 3/8 follows from two limits: |f''| <= 3 D/Δx² for a natural spline, and a dip of at most Δx²/8 max |f''|.
 double max_dip(Values upper, Values lower);
 
 /// Return whether the points of a profile lie on a straight line to within round-off.
@@ -61,7 +61,7 @@ struct Derivatives {
 /// Mark the points at which contact is possible for at least one approach up to `max_approach` [µm].
 /// Contact is possible where both profiles are convex and the contact centre passes through the cell of the point.
 /// The function may also mark points at which contact is impossible.
-/// During the approach, the contact centre moves in one direction, so testing both ends of its path is sufficient.
+/// The contact centre moves in one direction during the approach, so only both ends of the path are tested.
 /// `zero` [µm] is the smallest height difference (upper - lower) on the grid, at which the approach is zero.
 void mark_cells(Derivatives derivatives, const double* upper, const double* lower, std::size_t size, double zero,
                 double max_approach, double half_cell, unsigned char* marks);

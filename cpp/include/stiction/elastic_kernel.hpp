@@ -12,7 +12,7 @@
 
 namespace stiction {
 
-/// Grid on the surface of a half-space. The grid is an area or a line.
+/// Grid on the surface of a half-space: an area or a line.
 /// A line is a single row of cells that are 1 µm wide.
 struct Grid {
   std::size_t rows = 1;
@@ -50,11 +50,11 @@ class Workspace {
 /// On a free grid, the displacements of uniformly loaded cells are superposed on a grid of twice the size.
 /// Sources: Love 1929; Johnson, Contact Mechanics (1985), eq. 3.25.
 /// On lines, the displacement depends logarithmically on the distance from the load.
-/// The approximate inverse E*|k|/2 of the kernel is periodic even on a free grid, so its transforms have half the size.
+/// The approximate inverse E*|k|/2 of the kernel is periodic even on a free grid, so it is transformed without padding.
 /// A preconditioner may be periodic, because it affects the number of iterations but not the solution.
 class ElasticKernel {
  public:
-  /// Compute the influence coefficients [µm/GPa] of the grid.
+  /// Compute the influence coefficients [µm/GPa]: displacements of all cells due to a pressure on one cell.
   /// Throws std::invalid_argument if the grid is empty, or if a spacing or the modulus is not positive.
   ElasticKernel(const Grid& grid, double effective_modulus, const ThreadPool& pool = ThreadPool());
   ~ElasticKernel();
@@ -85,7 +85,7 @@ class ElasticKernel {
 
   /// Return the stiffness operator E*|k|/2 of a two-dimensional grid, truncated to a stencil of 3 x 3 points.
   /// The nine weights of the stencil are stored row by row.
-  /// The weight of the central point is chosen so that the sum of all nine weights is small.
+  /// The weight of the central point is chosen so that the sum of all nine weights is a small positive number.
   const std::array<double, 9>& stencil() const { return stencil_; }
 
  private:
@@ -98,10 +98,10 @@ class ElasticKernel {
 /// Pressures [GPa] that displace the surface of a half-space by given amounts [µm]: the inverse of ElasticKernel.
 ///
 /// The inverse requires a surface without edges, so a free grid is extended by zero padding.
-/// The extended grid repeats periodically, and its first rows and columns are the original grid.
+/// The extended grid is periodic. Its first rows and columns are the original grid.
 /// If no net pressure acts outside the original grid, its displacements equal those of ElasticKernel plus a constant.
 /// A periodic grid has no edges and needs no zero padding.
-/// A uniform displacement of a periodic grid requires no pressure.
+/// On a periodic grid, a uniform displacement requires no pressure.
 class StiffnessKernel {
  public:
   /// Compute the Fourier coefficients of compliance and stiffness.
@@ -127,7 +127,8 @@ class StiffnessKernel {
   void displacement(Values pressures, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 
-  /// Compute displacements in single precision. Uniform pressure has the largest compliance of all wavelengths.
+  /// Compute displacements in single precision, in order to precondition a solver.
+  /// A uniform pressure is given the largest compliance that occurs at any wavelength.
   void precondition(std::span<const float> pressures, std::span<float> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 

@@ -58,7 +58,7 @@ struct AdhesiveStresses {
 
 /// Energy of a contact, minimised by preconditioned conjugate gradients (Polak-Ribière).
 ///
-/// The variables are the gap and, on free grids, the approach and the displacements of points around the grid.
+/// The energy is a function of the gap and, on free grids, of the approach and the displacements around the grid.
 /// On free grids, the net pressure must vanish at all points around the grid.
 /// The energy is the sum of elastic energy, energy of the attraction and work of the load.
 /// Points in contact keep a gap of 0 as long as their pressure is between 0 and the hardness.
@@ -68,7 +68,8 @@ struct AdhesiveStresses {
 class EnergyMinimizer {
  public:
   /// Create the minimiser. `gap` [µm] of the undeformed surfaces must outlive the minimiser.
-  /// Throws std::invalid_argument for wrong sizes and for a range or hardness that is not positive.
+  /// Throws std::invalid_argument if an array has a wrong size.
+  /// Also throws std::invalid_argument if the range of the attraction or the hardness is not positive.
   EnergyMinimizer(Values gap, const Grid& grid, double effective_modulus, const AdhesiveInterface& interface,
                   const ThreadPool& pool = ThreadPool());
 

@@ -25,7 +25,7 @@ struct SolverMemory;
 /// Several threads may use the same HalfSpaceGrids at the same time.
 class HalfSpaceGrids {
  public:
-  /// Elastic kernels of one grid: a kernel between its points, and a kernel between blocks of its points.
+  /// Elastic kernels of one grid: one kernel for the points, and one for the blocks of points.
   struct Kernels {
     std::shared_ptr<const ElasticKernel> points;
     std::shared_ptr<const ElasticKernel> blocks;  ///< kernels of the blocks of an area, see Preconditioner
@@ -44,7 +44,7 @@ class HalfSpaceGrids {
   /// Return the standard deviation [µm/GPa] of the displacements due to uniform pressure on a free grid.
   double uniform_pressure_deviation() const;
 
-  /// Return the displacement [µm/GPa] of each point due to a pressure on the first point.
+  /// Return the displacement [µm/GPa] of each grid point due to a pressure on the first grid point.
   /// Returns an empty array if the grid is too large for storing the displacements of all points.
   std::span<const double> influence(const ThreadPool& pool = ThreadPool()) const;
 
@@ -79,7 +79,7 @@ struct HalfSpaceSolution {
   double approach = 0.0;
   double error = 0.0;
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
-  /// Gap plus displacement [µm] at the points whose pressure bound is above 0.
+  /// Potential [µm], that is, gap plus displacement, at the points whose pressure bound is above 0.
   /// `potential` is empty if all points have the same pressure bound, or if the solver did not converge.
   /// `potential` is also empty if the solver ignored the displacements of points that cannot touch.
   std::vector<double> potential;
@@ -95,7 +95,7 @@ using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 /// The method is projected conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206; see ProjectedCgSolver).
 /// The iteration starts from the solution on the next coarser grid.
 /// The preconditioner is the operator E*|k|/2 on lines, and the class Preconditioner on areas.
-/// The relative error is the largest gap under pressure or the largest overlap, whichever is larger, over `scale`.
+/// The relative error is the larger of two lengths (largest gap under pressure, largest overlap), divided by `scale`.
 class HalfSpaceSolver {
  public:
   /// Create the solver. `gap` [µm] must outlive the solver.

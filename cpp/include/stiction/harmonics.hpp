@@ -2,7 +2,7 @@
 //
 //     y(x) = Σ_n w_n G_n(x),   G_n(x) = Σ_m { cos φ_mn - cos[ (2π γ^(n-1) x / L) cos(π m / M) + φ_mn ] }
 //
-// Only the weights w_n depend on the fractal dimension D, so the group profiles G_n are evaluated once for all D.
+// Only the weights w_n depend on the fractal dimension D, so the group profiles G_n are evaluated only once for many D.
 #pragma once
 
 #include "stiction/amplitude.hpp"
@@ -30,7 +30,7 @@ std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, 
 /// Write the sum Σ_n weights(d, n) G_n(x_j) [µm] to row d and column j of `profiles`.
 /// `profiles` has one row for each row of `weights`, and one column for each grid point.
 /// `phases` [rad] has the shape (directions M, frequencies N). `weights` [µm] has the shape (any number of rows, N).
-/// Phases are stored as 64-bit fractions of a turn, so that any number of whole turns is removed exactly.
+/// A phase is stored as a 64-bit fraction of a turn, so that whole turns are removed without round-off.
 /// The only error in the phase of a harmonic is the round-off of wavenumber times position in long double.
 /// Returns the height statistics of each row, which saves the caller a further pass over the row.
 /// Throws std::invalid_argument if shapes do not match, values are out of range, or phases cannot be resolved.

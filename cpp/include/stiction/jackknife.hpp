@@ -3,7 +3,7 @@
 // Consider R repetitions of an ensemble at a load step at which their mean normal load is F.
 // Leaving out one repetition with the value v changes the mean value by dv = (mean(v) - v) / (R - 1).
 // Leaving out one repetition with the normal load n changes the mean load by dn = (F - n) / (R - 1).
-// With the slope s = d mean(v) / d mean(n), leaving out a repetition changes the mean value at the load F by dv - s dn.
+// Let s = d mean(v) / d mean(n). Leaving out a repetition changes the mean value at the load F by dv - s dn.
 // The logarithm of the mean value at the load F changes by ln(1 + dv / mean(v)) - s F / mean(v) ln(1 + dn / F).
 #pragma once
 
@@ -33,11 +33,12 @@ struct CurvePoints {
 /// Number of rows of the table of power sums and minima that `jackknife_sums` writes.
 inline constexpr Index jackknife_sum_rows = 10;
 
-/// Write power sums and minima over the repetitions to `sums`, of shape (`jackknife_sum_rows`, points).
+/// Write power sums and minima over the repetitions to `sums`, which has the shape (`jackknife_sum_rows`, points).
 /// Rows 0 to 3 contain the sums of c, c², c³ and c⁴, where c is the change of the logarithm of the mean value.
 /// Rows 4 to 7 contain the sums of d, d², d³ and d⁴, where d = dv - s dn is the change of the mean value.
-/// Rows 8 and 9 contain the smallest relative changes of the mean value, dv / mean(v), and of the mean load, dn / F.
-/// Values and loads are interpolated between steps. `total_repetitions` is R, the number of repetitions in the mean.
+/// Row 8 contains the smallest relative change of the mean value, dv / mean(v).
+/// Row 9 contains the smallest relative change of the mean load, dn / F.
+/// Values and loads are interpolated between steps. The mean is taken over `total_repetitions` (R) repetitions.
 void jackknife_sums(const CurvePoints& points, const CurveView& loads, const CurveView& values, Index repetitions,
                     Index total_repetitions, Eigen::Ref<Matrix> sums);
 

@@ -87,7 +87,7 @@ struct JacksonGreen {
   void check() const;
 };
 
-/// Any contact law of the library.
+/// One of the contact laws of the library.
 /// The call operator of a law computes force and area for an overlap [µm] > 0 and principal radii [µm] > 0.
 /// All laws in this file use only the geometric mean of the two principal radii.
 using Law = std::variant<HertzSphere, HertzCylinder, JacksonGreen>;

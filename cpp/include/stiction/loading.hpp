@@ -15,13 +15,13 @@ namespace stiction {
 /// Function that returns its values at several increasing arguments in one call.
 using BatchFunction = std::function<std::vector<double>(Values)>;
 
-/// Find the argument at which a function first reaches each level from below.
+/// Find, for each level, the argument at which a function first reaches this level from below.
 /// The function must be below the level at the argument `left`, and at or above the level at `right`.
 /// The tolerance of the search is relative to the argument.
 /// If the function jumps over the level, the result is the argument just after the jump.
 /// The search combines inverse quadratic interpolation and bisection.
 /// Source: Chandrupatla, Advances in Engineering Software 28 (1997) 145.
-/// Each call evaluates the function for all levels, because many arguments take hardly longer than one argument.
+/// Each call evaluates the function for all levels, which takes hardly longer than an evaluation for one level.
 std::vector<double> find_crossings(const BatchFunction& function, Values levels, Values left, Values right,
                                    double tolerance);
 

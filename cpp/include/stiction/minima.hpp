@@ -33,12 +33,13 @@ struct CellRange {
 /// Minima above `max_value` [µm] and minima on the edge of the map are left out.
 /// Valleys whose curvature is only round-off are left out.
 /// A minimum within 1e-6 of the boundary between two cells belongs to the right or to the upper cell.
-/// A minimum at the edge of the range of cells may belong to a cell outside the range.
+/// A minimum found at the edge of the range of cells may belong to a neighbouring cell outside the range.
 ///
 /// The search is exhaustive: each cell is subdivided until every part is proved to have no minimum or to be convex.
 /// The signs of the Bernstein coefficients can prove that a part of a cell has no minimum, or is convex.
 /// In a convex part of a cell, Newton's method finds the only possible minimum.
-/// Parts of a cell with 1/64 of its side may remain undecided, for example where a minimum is about to vanish.
+/// The subdivision ends at 1/64 of the side of a cell.
+/// Parts of a cell may then be undecided, for example where a minimum is about to vanish.
 /// In an undecided part of a cell, Newton's method shows whether there is a minimum.
 std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& range, double max_value,
                             const CancellationCheck& check_cancellation = {});

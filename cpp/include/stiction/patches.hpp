@@ -24,7 +24,7 @@ struct Patches {
 /// Find the connected patches formed by the points under pressure.
 /// On maps, a point is connected to its eight neighbours. On profiles, a point is connected to its two neighbours.
 /// On a periodic grid, points are also connected across the edges.
-/// A side of a cell under pressure is open if the adjacent cell is on the grid and carries no pressure.
+/// A side of a cell under pressure is open if the cell beyond this side is on the grid and carries no pressure.
 /// Each open side reduces the fraction of the cell in contact: by 0.19 on profiles, by (π - 1 + ln 2)/24 on maps.
 /// Source: Yastrebov, Anciaux & Molinari, Tribology International 114 (2017) 161.
 /// The fraction of a cell in contact is at least pressure/hardness, both in GPa. The hardness may be infinite.

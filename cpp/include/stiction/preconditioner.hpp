@@ -20,10 +20,11 @@ namespace stiction {
 /// A 3 x 3 stencil S on the free points describes the short-range interaction of neighbouring points.
 /// A kernel K' on blocks of points describes the slowly varying displacement that distant points cause.
 /// Bilinear weights P interpolate between the blocks and the points.
-/// K is approximately S⁻¹ + P'K'P, and the inverse of this sum is S - SP'(K'⁻¹ + PSP')⁻¹PS. P' is the transpose of P.
+/// K is approximately S⁻¹ + P'K'P, where P' is the transpose of P.
+/// The inverse of this sum is S - SP'(K'⁻¹ + PSP')⁻¹PS.
 /// The blocks repeat periodically, so K'⁻¹ multiplies a displacement with the wavenumber k by (E*) |k| / 2.
 /// E* is the effective modulus.
-/// K'⁻¹ + PSP' describes a half-space on an elastic foundation, whose stiffness is PSu with u = 1 at each free point.
+/// K'⁻¹ + PSP' describes a half-space on an elastic foundation with the stiffness PSu, where u is 1 at each free point.
 /// A few conjugate-gradient steps solve the linear system of K'⁻¹ + PSP'.
 /// With the preconditioner, the number of solver iterations is almost independent of the grid size.
 class Preconditioner {
@@ -37,7 +38,7 @@ class Preconditioner {
     std::vector<float> remainder;
   };
 
-  /// Return the periodic grid whose points represent the blocks into which an area is divided.
+  /// Return the grid of blocks: a periodic grid with one point for each block of an area.
   static Grid block_grid(const Grid& area);
 
   /// Create the preconditioner. `stencil` applies to the points of the area, and `blocks` is the kernel of its blocks.
@@ -57,7 +58,7 @@ class Preconditioner {
   Arrays take_arrays() { return {std::move(result_), std::move(remainder_)}; }
 
  private:
-  /// Apply the stencil at each free point to values on the grid, which continue periodically beyond the edges.
+  /// Apply the stencil to values on the grid, at each free point. The values continue periodically beyond the edges.
   void apply_stencil(std::span<const std::int32_t> free_points, std::span<const float> values, const ThreadPool& pool);
   /// Multiply the result of the stencil by the bilinear weights, and sum the products over each block.
   void sum_on_blocks(std::span<const std::int32_t> free_points, std::vector<float>& sums, const ThreadPool& pool);
@@ -66,7 +67,7 @@ class Preconditioner {
   /// Solve the linear system of the blocks for the loads on the blocks.
   void solve_blocks(Workspace& workspace, const ThreadPool& pool);
 
-  // Indices and weight of the linear interpolation between two blocks along an axis.
+  // Two blocks along an axis, and the weight of the linear interpolation between both blocks.
   struct Interpolation {
     std::int32_t low;
     std::int32_t high;

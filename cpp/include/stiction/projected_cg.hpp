@@ -13,7 +13,8 @@
 
 namespace stiction {
 
-/// Projected conjugate gradients for  min 1/2 p·Kp + p·g0  subject to  0 <= p <= bound at each point, sum p = total.
+/// Solver for the minimum of 1/2 p·Kp + p·g0 over the pressures p, by projected conjugate gradients.
+/// The pressures satisfy 0 <= p <= bound at each point, and their sum is `total`.
 ///
 /// The kernel K maps pressures [GPa] to displacements [µm].
 /// The caller multiplies by K, and by a preconditioner M that approximates the inverse of K.
@@ -27,9 +28,9 @@ namespace stiction {
 ///
 /// The preconditioner M acts on the whole grid, so the residual r is extended to points that are not free.
 /// The best extension minimises r·Mr. Its r·Mr equals r·K⁻¹r on the free points.
-/// On areas, r is extended by zeros, which give nearly the smallest r·Mr.
+/// On areas, r is set to 0 at points that are not free, which gives nearly the smallest r·Mr.
 /// On lines with short contacts, zeros would give a much larger r·Mr than the best extension.
-/// On lines, r is interpolated linearly between free points, and M r is multiplied by the transposed interpolation.
+/// On lines, r is interpolated linearly between free points. M r is multiplied by the transpose of the interpolation.
 /// The interpolation of r continues across the edges of the grid, because M is periodic.
 ///
 /// After each step, the pressures are within their bounds, and their sum is the total.
@@ -62,7 +63,7 @@ class ProjectedCgSolver {
 
   /// Return the residual [µm].
   /// At free points, the residual is the mean potential of all free points minus the potential of the point.
-  /// At points that are not free, the residual is extended by 0 on areas, and by linear interpolation on lines.
+  /// At points that are not free, the residual is 0 on areas, and linearly interpolated on lines.
   std::span<const float> residual(const ThreadPool& pool = ThreadPool());
 
   /// Return the free points found by the last `update_free_points`, in increasing order.
@@ -127,8 +128,8 @@ class ProjectedCgSolver {
   double total_;
   std::array<double, block> uniform_bound_{};  // copies of the bound, if all points have the same bound
   Values bounds_;                              // bound of each point; empty if all points have the same bound
-  // Potentials are updated only in blocks with the mark 1, in which a point has a pressure bound above 0.
-  // The array `can_touch_` is empty if all points have the same bound.
+  // Marks of blocks, or an empty array if all points have the same bound. Potentials are updated only in marked blocks.
+  // A block is marked with 1 if at least one point of the block has a pressure bound above 0.
   std::vector<std::uint8_t> can_touch_;
   bool line_;
   std::vector<std::int32_t> free_points_;     // points at which residual_ may differ from 0
@@ -139,7 +140,7 @@ class ProjectedCgSolver {
   std::vector<double> target_;                // pressure at free points after a full step
   std::vector<double> free_bounds_;           // bound at free points
   // Response of the last step: the kernel K times the step.
-  // The fraction `pending_fraction_` of the last response has not been added to the potential yet.
+  // The potential still lacks the last response multiplied by `pending_fraction_`.
   std::span<const float> pending_response_;
   double pending_fraction_ = 0.0;
   std::vector<std::vector<std::int32_t>> task_free_points_;  // free points found by each task
@@ -147,7 +148,7 @@ class ProjectedCgSolver {
   double mean_potential_ = 0.0;  // mean potential of free points
   double step_length_ = 1.0;     // length of the next preconditioned step
   double descent_length_ = 1.0;  // length of the next steepest-descent step
-  // Length of the steepest-descent step that preceded the last preconditioned step.
+  // Length of the last steepest-descent step before the last preconditioned step.
   double previous_descent_length_ = 1.0;
   int failed_steps_ = 0;        // number of failed preconditioned steps since the last successful step
   int descent_steps_left_ = 0;  // number of remaining steepest-descent steps

@@ -13,7 +13,7 @@ void natural_spline(Values heights, double spacing, std::span<double> slope, std
 
 /// Compute slope and curvature of the natural cubic spline only at the points first, first + 1, ...
 /// The size of the output arrays determines the number of points.
-/// The spline is a superposition of unit splines, each of which is due to a load at a single point.
+/// The spline is a superposition of unit splines. Each unit spline is due to a load at a single point.
 /// Each unit spline decays by a factor of 2 - sqrt(3) = 0.268 per point, so only nearby points contribute.
 /// Throws the same exceptions as natural_spline. Also throws std::invalid_argument if a point lies beyond the profile.
 void natural_spline_from(Values heights, double spacing, Index first, std::span<double> slope,

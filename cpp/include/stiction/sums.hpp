@@ -27,7 +27,7 @@ enum class Sliding { opposing, all };
 Sliding sliding(std::string_view name);
 
 /// Sums over the contacts at one approach.
-/// The normal and the tangential load are both computed as elastic + mu0 · frictional + tau0 · adhesive.
+/// Both loads (normal and tangential) are computed as elastic + mu0 · frictional + tau0 · adhesive.
 struct Sums {
   Index contact_count = 0;
   double contact_area = 0.0;           ///< Σ A                 [µm²]
@@ -50,7 +50,7 @@ struct Sums {
   void add(const ContactPoint& contact_point, const Radii& radii, const ForceArea& force_area, const Vector2& direction,
            Sliding sliding, double spacing);
 
-  /// Add the contributions of a contact that are equal for all directions. Returns the load F n_z [mN].
+  /// Add those contributions of a contact that are equal for all directions. Returns the normal load F n_z [mN].
   double add(const Vector3& normal, double overlap, double radius, const ForceArea& force_area, double spacing);
 };
 
@@ -87,8 +87,8 @@ Vector3 tangent(const Vector3& normal, const Vector2& direction);
 /// Return whether the normal force of a contact on the upper surface is directed against the motion.
 inline bool opposes(const Vector3& normal, const Vector2& direction) { return normal.head<2>().dot(direction) < 0.0; }
 
-/// Factors of the normal force and of the friction force of a sliding contact in the normal and tangential loads.
-/// The normal force is multiplied by -s·n. The friction force is multiplied by t_z and by -s·t.
+/// Factors that convert the normal force and the friction force of a sliding contact to normal and tangential loads.
+/// The factor of the normal force is -s·n. The factors of the friction force are t_z and -s·t.
 struct SlidingFactors {
   double push;  ///< -s·n
   double lift;  ///< t_z
@@ -120,7 +120,7 @@ inline Vector3 tangent(const Vector3& normal, const Vector2& direction) {
     return {-normal.z() * direction.x(), -normal.z() * direction.y(), along};
   }
   // The tangent is computed from its components along the motion s, across s and upwards.
-  // At a steep wall, the vector form (s·n) n - s would subtract nearly equal vectors.
+  // At a steep wall, the vector form (s·n) n - s would be the difference of two nearly equal vectors.
   const double length = std::sqrt(normal.z() * normal.z() + across * across);
   const double lateral = along * (across / length);
   return {-length * direction.x() - lateral * direction.y(), -length * direction.y() + lateral * direction.x(),

@@ -40,7 +40,7 @@ JOB_MEMORY_FRACTION = 0.5
 # A preview and another short process that run at the same time may each use this fraction of the memory.
 READER_MEMORY_FRACTION = 0.25
 SCOPE_TEXT_SUFFIX = ", here and in the pictures"
-# End of the JSON record of a command, which the command prints before it draws figures.
+# Last characters of the JSON record that a command prints. The command prints the record before it draws figures.
 END_OF_JSON_RECORD = b"\n}\n"
 # Files that the user can save after each command: name in the app, and name of the file that the command writes.
 FILES_BY_COMMAND = {
@@ -73,14 +73,14 @@ class Job:
     title: str
     arguments: list[str]
     directory: Path
-    # Scans and options for a preview with the asperity model, or None for a command without a preview.
+    # Scans and options for the preview, which uses the asperity model, or None for a command without a preview.
     preview: tuple[list[str], Any] | None = None
     # State of the job: "waiting", "running", "done", "stopped" or "failed".
     state: str = "waiting"
     # Name, without extension, of the files that the user saves.
     file_stem: str = ""
     activity: str = ""
-    # Description of the members in an intermediate result, or an empty text for the final result.
+    # Members that an intermediate result covers, as a text. The text is empty for the final result.
     scope: str = ""
     finished: int = 0
     total: int = 0
@@ -186,7 +186,7 @@ class JobQueue:
         for job in self.jobs_by_number.values():
             job.stop()
             if job.state == "stopped" and job.task is not None:
-                # The task of a stopped job may still be reading its result.
+                # If the task of a stopped job is still reading the job's result, the task is cancelled.
                 job.task.cancel()
         await asyncio.gather(*(job.task for job in self.jobs_by_number.values() if job.task), return_exceptions=True)
 
@@ -201,7 +201,7 @@ class JobQueue:
         except asyncio.CancelledError:
             final_state, has_begun = "stopped", job.state == "running"
             job.state, job.activity = final_state, "reading the finished part"
-            # Reading fails if no result is stored yet, or if the surfaces do not touch.
+            # Reading the result fails if no result is stored yet, or if the surfaces do not touch.
             with suppress(*REPORTED_EXCEPTIONS):
                 if has_begun and not self._is_ending:
                     await self._read_result(job)
@@ -293,7 +293,7 @@ class JobQueue:
         num_reported = 2
         while True:
             await asyncio.sleep(POLL_INTERVAL)
-            # Reading fails while no result is stored, or if the surfaces do not touch.
+            # Reading the result fails while no result is stored, or if the surfaces do not touch.
             with suppress(*REPORTED_EXCEPTIONS):
                 stored_result = await asyncio.to_thread(open_stored_result, job.directory)
                 job.finished, job.total = stored_result.num_finished, stored_result.study.ensemble.repetitions
@@ -313,7 +313,7 @@ class JobQueue:
         # A preview gets less memory, because the command of the job runs at the same time.
         memory = READER_MEMORY_FRACTION if source else JOB_MEMORY_FRACTION
         response = json.loads(await run_module(arguments, memory=memory))
-        # Nothing is shown if there is no preview, or if the page already shows a result of the command.
+        # The page stays unchanged if there is no preview, or if the page already shows a result of the command.
         if response is None or (source and job.versions):
             return
         job.show_result(

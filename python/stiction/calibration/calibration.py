@@ -30,7 +30,7 @@ from stiction.study.interfaces import (
     StrengthFit,
 )
 
-# Minimum number of tests with sliding from which the errors of the tests can be estimated.
+# Minimum number of tests that slid, from which the errors of the tests can be estimated.
 MIN_SLIDING_TESTS = 3
 # Largest factor by which a misfit may multiply the errors of the tests without forbidding to quote the friction law.
 MAX_ERROR_SCALE = 3.0

@@ -42,26 +42,28 @@ from stiction.study.interfaces import (
 
 # Both mu0 and tau0 are fitted only if A/F varies among the tests by at least this relative standard deviation.
 MIN_AREA_VARIATION = 0.1
-# Number of nuisance points in each adaptation of the proposal. A nuisance point is a sample of all nuisance parameters.
+# A nuisance point is a random sample of all nuisance parameters.
+# Number of nuisance points in each round that adapts the proposal distribution of the importance sampling.
 NUM_NUISANCE_POINTS_PER_ROUND = 256
-# Maximum number of nuisance points in the final importance sampling.
+# Maximum number of nuisance points in the importance sampling with the adapted proposal distribution.
 MAX_NUISANCE_POINTS = 8192
-# The final sampling starts with the first of these counts, doubled for each nuisance parameter, up to the second count.
+# Initial number of nuisance points in the importance sampling: the first number, doubled for each nuisance parameter,
+# but at most the second number.
 FINAL_NUISANCE_POINT_COUNTS = 256, 1024
 # Largest distance of a nuisance parameter from its mean, in standard deviations.
 MAX_NORMAL_SCORE = 5.0
 MAX_PROPOSAL_ROUNDS = 8
-# The proposal of nuisance points is adapted until the effective sample size exceeds this fraction of their number.
+# The proposal distribution is adapted until the effective sample size exceeds this fraction of the nuisance points.
 MIN_EFFECTIVE_SAMPLE_FRACTION = 0.4
-# The final sampling doubles its number of nuisance points until the effective sample size exceeds this number.
+# The number of nuisance points is doubled until the effective sample size exceeds this number.
 MIN_EFFECTIVE_SAMPLES = 300.0
 NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31
 NUM_STRENGTH_PAIRS = 4000
-# At the edge of the grid of mu0 and tau0, -2 ln(density) is above its minimum by this number (5.8 standard deviations).
+# At the edge of the grid, -2 ln(density of mu0 and tau0) exceeds its minimum by this number (5.8 standard deviations).
 MAX_GRID_DEVIANCE = 34.0
 # Degrees of freedom of Student's t distribution, from which nuisance points are drawn.
 PROPOSAL_DEGREES_OF_FREEDOM = 5.0
-# Degrees of freedom of Student's t distribution of the errors, used if tests may be outliers.
+# Degrees of freedom of Student's t distribution of the test errors. The distribution is used if tests may be outliers.
 OUTLIER_DEGREES_OF_FREEDOM = 4.0
 MEDIAN_RELATIVE_DEVIATION_BETWEEN_RUNS = 0.10
 
@@ -80,11 +82,11 @@ class _BestFit:
     scores: Floats
     # Residuals of the tests that slid, each divided by the error of the test.
     residuals: Floats
-    # Derivatives of the weighted residuals and of the nuisance parameters with respect to the fitted parameters.
+    # Derivatives of the residuals (times `robust_factors`) and of the nuisance parameters by the fitted parameters.
     jacobian: Floats
     # Square root of each test's weight, which is smaller for an outlier.
     robust_factors: Floats
-    # Factor by which the fit multiplies assumed errors of the tests.
+    # Factor by which the fit multiplies the errors of the tests if these errors were not given.
     scale: float
 
 
@@ -110,7 +112,7 @@ class _ProbabilityGrid:
     """Grids of mu0 and tau0, one per sample of the nuisance parameters, with the log-probability of each cell."""
 
     limits: _GridLimits
-    # ln(probability) of the tests without the prior of the nuisance parameters, with the shape (points, tau0, mu0).
+    # ln(probability of the test results), without the prior of the nuisance parameters. Shape: (points, tau0, mu0).
     log_probability: Floats
 
 
@@ -195,7 +197,8 @@ class CalibrationProblem:
         scores_by_name = dict(zip(self.nuisances, np.clip(scores, -MAX_NORMAL_SCORE, MAX_NORMAL_SCORE).T, strict=True))
         shape = len(scores), *(1 for _ in grid_shape)
         probability = {name: ndtr(values).reshape(shape) for name, values in scores_by_name.items()}
-        # A key identifies the equation of a test and, if contacts grow under shear, its measured coefficient.
+        # Area factors that are already computed. Two tests share a factor if their equation is the same.
+        # If contacts grow under shear, the measured coefficients must be equal, too.
         cached_factors: dict[Hashable, Floats] = {}
 
         def area_factors_of_test(test: int) -> Floats:
@@ -229,7 +232,8 @@ class CalibrationProblem:
             if GAIN_PARAMETER_NAME in scores_by_name
             else np.ones((len(scores), 1))
         )
-        # The gain is the ratio of measured to true coefficient. The errors of the tests refer to measured coefficients.
+        # The gain is the ratio of a test's measured coefficient to the true coefficient.
+        # The errors of the tests refer to measured coefficients.
         mu0_coefficient = gain * sums["tangential_frictional"] - self.measured * sums["normal_frictional"]
         tau0_coefficient = gain * sums["tangential_adhesive"] - self.measured * sums["normal_adhesive"]
         right_side = self.measured - gain * sums["tangential_elastic"]
@@ -257,7 +261,7 @@ class CalibrationProblem:
             self.fixed_strengths,
         )
         residual_shifts = self._run_membership * (mu0_coefficient * mu0 + tau0_coefficient * tau0) / self.error
-        # Errors that a relative standard deviation of 1 between runs would cause in each test.
+        # Error of each test if the relative standard deviation between runs is 1.
         self._run_errors = (residual_shifts * self.error).sum(axis=0)
         residual_shifts = np.where(self.slid, residual_shifts, 0.0)
         shift_norms = np.linalg.norm(residual_shifts, axis=1)
@@ -471,7 +475,7 @@ class CalibrationProblem:
         best_fit = self.best_fit
         chi_squared = float((best_fit.residuals**2).sum() + (best_fit.scores**2).sum())
         num_slid = int(self.slid.sum())
-        # If A/F is equal in all tests, the tests determine only one combination of mu0 and tau0.
+        # If A/F is equal in all tests, mu0 and tau0 cannot be determined separately, but only one combination of both.
         num_fitted = min(
             sum(value is None for value in self.fixed_strengths),
             1 if self.area_per_load_variation < MIN_AREA_VARIATION else 2,
@@ -489,8 +493,8 @@ class CalibrationProblem:
             float(linregress(loads, best_fit.residuals).pvalue) if num_slid > 2 and np.ptp(loads) > 0 else math.nan
         )
         unstored_names = {GAIN_PARAMETER_NAME, RUN_SPREAD_PARAMETER_NAME}
-        # Scores of area errors are stored only if all tests used the same surfaces.
-        # If one pair of surfaces determines mu0 and tau0 alone, the area errors of other pairs remain unknown.
+        # Normal scores of the area errors are stored only if all tests used the same surfaces.
+        # If the tests of one pair of surfaces determine mu0 and tau0, other pairs' area errors remain unknown.
         if len({equation.surfaces for equation in self._friction}) > 1:
             unstored_names |= self._area_errors.keys()
 
@@ -519,7 +523,7 @@ class CalibrationProblem:
     def _with_fixed_strengths(self, strengths: tuple[float | None, float | None]) -> CalibrationProblem:
         """Return a copy of the problem with other fixed values of mu0 and tau0 (GPa); None leaves a parameter free."""
         problem = copy.copy(self)
-        problem.__dict__.pop("best_fit", None)  # the cached fit has the previous mu0 and tau0
+        problem.__dict__.pop("best_fit", None)  # the cached fit belongs to the previous fixed values
         problem.fixed_strengths = strengths
         return problem
 
@@ -680,7 +684,7 @@ class CalibrationProblem:
             )
         if self.fixed_strengths[1] is None:
             log_volume = log_volume + np.log((grid_limits.max_tau0 - grid_limits.min_tau0) / num_tau0_cells)
-        # If the interface seizes in all cells, `log_volume` is infinite or NaN.
+        # If the interface seizes in all cells of the grid, `log_volume` is infinite or NaN.
         log_volume = np.where(np.isfinite(log_volume), log_volume, 0.0)
         log_mu0_step = np.log(mu0_step) if self.fixed_strengths[0] is None else np.zeros(mu0_step.shape)
         log_probability += (log_norm + log_volume)[:, np.newaxis, np.newaxis] + log_mu0_step[..., np.newaxis]
@@ -733,7 +737,7 @@ class CalibrationProblem:
         )
         best_mu0, slope, _ = find_best_mu0_at(tau0)
         width_above = math.sqrt(limits.deviance_range) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
-        # Residuals vary more slowly below the best mu0 than above, but at least as fast as without junction growth.
+        # Below the best mu0, residuals change less with mu0 than above, but at least as much as without growth.
         width_below = np.maximum(width_above, math.sqrt(limits.deviance_range) / limits.triangular_factors[:, :1, 0])
         return replace(limits, best_mu0=best_mu0, width_below=width_below, width_above=width_above)
 
@@ -980,7 +984,7 @@ def _compute_triangular_factors(rows: Floats) -> Floats:
 def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: float) -> tuple[Floats, Floats]:
     """Return the range of tau0 (GPa) in which the posterior density, maximized over mu0, is not negligible."""
     first_row, second_row = triangular_factors[:, 0], triangular_factors[:, 1]
-    # The variable `curvature` is the coefficient of tau0² in -2 ln(density) at mu0 = 0.
+    # The coefficient of tau0² in -2 ln(density) at mu0 = 0 is `curvature`.
     curvature = second_row[:, 1] ** 2 + first_row[:, 1] ** 2
     unbounded_best, best_at_bound = (
         second_row[:, 2] / second_row[:, 1],
@@ -989,7 +993,7 @@ def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: flo
     tau0_at_zero_mu0 = first_row[:, 2] / np.where(first_row[:, 1] == 0, 1e-300, first_row[:, 1])
 
     def deviance(tau0: Floats) -> Floats:
-        # The variable `mu0` is proportional to the best mu0 at each tau0, and has the same sign.
+        # The number `mu0` is the best mu0 at each tau0, multiplied by a positive factor.
         mu0 = first_row[:, 2] - first_row[:, 1] * tau0
         return np.asarray((second_row[:, 2] - second_row[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
 

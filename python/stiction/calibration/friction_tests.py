@@ -115,7 +115,7 @@ class _FrictionTestSums:
     """Sums of forces and areas over the contacts of one friction test, divided by the elastic load."""
 
     sums: Mapping[str, float]
-    # Relative standard error of the true area in a test.
+    # Relative standard error of the true contact area in a test.
     scatter: float = 0.0
     # Checksum of the surfaces. Tests with equal checksums have the same error of the area.
     surfaces: str = ""

@@ -11,7 +11,7 @@ from stiction._checks import Floats
 # Number of tau0 in each search, and number of successive searches, each in a narrower range of tau0.
 NUM_TAU0_SEARCH_POINTS, NUM_TAU0_SEARCHES = 13, 3
 NUM_NEWTON_STEPS = 3
-# Step of mu0 in numerical derivatives, as a fraction of 0.1 + mu0.
+# Difference of mu0 in numerical derivatives, divided by 0.1 + mu0.
 MU0_DERIVATIVE_STEP = 1e-4
 
 ResidualFunction = Callable[[Floats, Floats], Floats]

@@ -124,7 +124,7 @@ def _write_result_files(result: Result, directory: Path) -> list[str]:
     report_path = directory / "report.html"
     # An error is suppressed here, because drawing the report raises the same error again.
     with contextlib.suppress(ValueError):
-        # The quantities at all loads are evaluated before two processes draw report and figure, because both need them.
+        # Report and figure are drawn in two processes. Both need the quantities at all loads, which are evaluated here.
         result.at_report_loads  # noqa: B018
     with evaluate_report(result, name=directory.resolve().name) as draw_report, draw_report() as get_report:
         # Matplotlib is imported only here, because an earlier import would delay the evaluation.

@@ -101,7 +101,7 @@ def _load_study(text: str) -> tuple[Study, Path]:
     if (path / "study.toml").is_file():
         return Study.from_toml(path / "study.toml"), path
     if path.suffix or path.exists() or len(path.parts) > 1:
-        # A study file in a result directory belongs to that result, so the computation resumes there.
+        # If the directory of a study file contains a result, the result belongs to the study and is continued.
         return Study.from_toml(path), path.parent if (path.parent / "blocks").is_dir() else Path(path.stem)
     try:
         return Study.named(text), path

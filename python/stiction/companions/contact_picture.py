@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 MAX_PICTURE_SIDE_POINTS = 512
 # Loads in the figure of an adhesive loading cycle, as multiples of the pull-off force.
 LOADS_RELATIVE_TO_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)
-# Side of a map, divided by the side of the window that magnifies the contact with the largest load.
+# Side of a map, divided by the side of the magnified section around the contact with the largest load.
 ZOOM_FACTOR = 8
 MIN_ZOOM_SIDE_POINTS = 16
 

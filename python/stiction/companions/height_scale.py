@@ -358,7 +358,7 @@ def evaluate_at_height_factors(
                 interpolated[index], (1 - position) * below + position * above, below, above, np.asarray(position),
                 dependence.mean_with_interval,
             )  # fmt: skip
-        # If a variable has limits of an interval, the last dimension contains the mean, the lower and the upper limit.
+        # If a variable has the dimension "statistic", its last axis contains mean, lower limit and upper limit.
         if "statistic" in unscaled_point[name].dims:
             interpolated[..., 1] = np.minimum(interpolated[..., 1], interpolated[..., 0])
             interpolated[..., 2] = np.maximum(interpolated[..., 2], interpolated[..., 0])

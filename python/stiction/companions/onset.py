@@ -341,7 +341,7 @@ def read_onset_summary(onset: xarray.Dataset) -> OnsetSummary:
 
 # ---- Files stored with a result -------------------------------------------------------------------------------------
 
-# Bounds of stored numbers that may be infinite, such as stiffnesses.
+# Lower and upper bound of numbers that may be infinite in a stored file, such as stiffnesses.
 _BOUNDS_WITH_INFINITY = (-math.inf, math.inf)
 
 _ONSET_VARIABLE_SPECS: dict[str, VariableSpec] = {

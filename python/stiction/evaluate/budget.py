@@ -137,7 +137,7 @@ def _evaluate_alternatives_uncached(
     }
 
 
-# Variables of a dataset by name: dimensions and array of each variable.
+# Dimensions and values of each variable of a dataset. The key is the name of the variable.
 _Tables = dict[str, tuple[tuple[str, ...], Floats]]
 
 
@@ -444,7 +444,7 @@ def _iterate_intervals(
         )
     shape = tuple(at.sizes[dim] for dim in dims)
     all_inputs = replace(study_inputs, mu0=at["mu0"].values[:, np.newaxis], tau0=at["tau0"].values)
-    # Quantities at the central inputs, for all mu0 and tau0. A key contains the indices along all other dimensions.
+    # Quantities at the central inputs, for all mu0 and tau0. The key contains one index for each other dimension.
     central_values: dict[tuple[int, ...], Any] = {}
     for position in np.ndindex(*shape):
         indices = dict(zip(dims, position, strict=True))

@@ -35,9 +35,10 @@ UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME = "which piece of the upper part"
 SAMPLING_INPUT_NAMES = (UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME, POSITIONS_INPUT_NAME)
 """Names of the uncertainty sources that are not inputs of the study: the choice of scans and of positions."""
 
-# Name of the single input for which the mu0 and tau0 of a calibrated interface count together.
+# Name of the input that stands for both mu0 and tau0 in an uncertainty budget, if both come from one calibration.
 INTERFACE_INPUT_NAME = "interface"
-# Quantiles at which the uncertainty budget fixes an input. The widths of the remaining intervals are averaged.
+# In the uncertainty budget, an input is fixed at each of these quantiles of its distribution.
+# The widths of the intervals that remain are averaged.
 FIXED_INPUT_QUANTILES = (0.1, 0.5, 0.9)
 
 FRICTION_PERCENTILES = np.array([5.0, 50.0, 95.0])
@@ -268,7 +269,7 @@ class CombinedIntervals:
         self.value, self.sampling = value, (lower, upper)
         # Range of friction coefficients that finer scans could give, computed from the mean coefficient.
         self.finest: tuple[float, float] | None = None
-        # As `finest`, but with an upper limit computed from the upper end of the interval of the mean coefficient.
+        # As `finest`, but the upper limit is computed from the upper limit of the interval of the mean coefficient.
         self.bracket: tuple[float, float] | None = None
         is_nonadhesive_half_space = study.uses_half_space and not study.contact.adheres
         if study.contact.hardness is not None and is_nonadhesive_half_space and self.rule == "all":
@@ -687,7 +688,7 @@ def compute_quantiles(
             "specify narrower ranges"
         )
 
-    # Quantiles are not interpolated if samples are infinite, because interpolation between two infinities gives NaN.
+    # If samples are infinite, quantiles are not interpolated: an interpolation between two infinite samples gives NaN.
     method: Literal["inverted_cdf", "linear"] = "inverted_cdf" if np.isinf(values).any() else "linear"
     if upper_values is None or upper_values is values or not np.isinf(upper_values).any():
         return _find_quantiles(probabilities, values, axis, method)

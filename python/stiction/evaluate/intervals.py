@@ -24,7 +24,7 @@ INTERVAL_STATISTICS = ["mean", "lower", "upper"]
 NUM_LOAD_STEPS_PER_SIDE_OF_SLOPE_FIT = 4
 MAX_INTERPOLATED_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads that allows interpolation between them."""
-# Maximum number of values in a batch. Larger batches are not evaluated faster.
+# Maximum number of values that are evaluated together. Evaluating more values together would not be faster.
 MAX_VALUES_PER_BATCH = 2**17
 # Minimum number of repetitions for an interval.
 MIN_SAMPLE_SIZE = 3
@@ -42,7 +42,7 @@ Friction up to this fraction of the load or of the pull-off force counts as roun
 """
 _NEIGHBOUR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_NEWTON_STEPS = 50
-# The interval of a mean is symmetric if the skewness of the values is at most this number.
+# The interval of a mean is symmetric if the skewness of the values is 0 to within this number.
 _MAX_SYMMETRIC_SKEWNESS = 1e-9
 # Student's t distribution counts as normal above this number of degrees of freedom.
 MAX_DEGREES_OF_FREEDOM = 1e6
@@ -248,7 +248,7 @@ class MeansAtLoads:
 
     def __init__(self, normal: Floats, quantities: Sequence[Floats], repetitions: int, loads: Floats) -> None:
         self.crossing = LoadCrossings.from_curves(normal, loads)
-        # Each of the p points is the crossing of one curve with one load that the curve reaches.
+        # A point is the crossing of one curve with one requested load that the curve reaches. There are p points.
         self._curve, load = map(np.ascontiguousarray, np.nonzero(self.crossing.reached))
         self._index, self._fraction = self.crossing.index[self._curve, load], self.crossing.fraction[self._curve, load]
         self._repetitions = repetitions
@@ -497,7 +497,7 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
     end_values = y[:, [0, -1]]
     inner_sums, end_squares = y[:, 1:-1].sum(axis=1)[:, np.newaxis], np.square(end_values).sum(axis=1)[:, np.newaxis]
     products = (y[:, 1:] * y[:, :-1]).sum(axis=1)[:, np.newaxis]
-    # `centre` has one row for each row of y, and one column for each correlation rho.
+    # The array `centre` has one row for each row of values, and one column for each trial correlation of neighbours.
     centre = (end_values.sum(axis=1)[:, np.newaxis] + (1 - rho) * inner_sums) / (1 + rho) / weight_sums
     total_squares = (1 + rho**2) * (np.square(y).sum(axis=1)[:, np.newaxis]) - rho**2 * end_squares - 2 * rho * products
     squares = total_squares / (1 - rho**2) - weight_sums * centre**2
@@ -608,7 +608,7 @@ def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[n
     freedom = float(freedoms[~is_separate].sum())
     residual_variance = float(sums[~is_separate].sum()) / max(freedom, 1.0)
     variance_components = np.append(np.where(is_separate, mean_squares - residual_variance, 0.0)[:2], residual_variance)
-    # The sum of `variance_components` is Σ (separate mean squares) + (1 - their number) · (residual variance).
+    # With n separate mean squares, the components add up to Σ (separate mean squares) + (1 - n) · (residual variance).
     component_weights = np.append(
         np.where(is_separate, mean_squares, 0.0)[:2], (1 - is_separate.sum()) * residual_variance
     )

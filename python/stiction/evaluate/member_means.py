@@ -368,7 +368,8 @@ class MemberDependence:
         if self.order is None or self.lines is None:
             return np.stack(intervals.average_independent_values(values), axis=-1)
         flat_values = values[self.order].reshape(values.shape[0], -1)
-        # Columns in which the same members are missing are evaluated together. In most columns, no member is missing.
+        # Columns of the array in which the same members are missing are evaluated together.
+        # In most columns, no member is missing.
         is_finite = np.isfinite(flat_values)
         is_incomplete = ~is_finite.all(axis=0)
         masks, mask_indices = [np.ones(len(flat_values), bool)], np.zeros(flat_values.shape[1], np.intp)

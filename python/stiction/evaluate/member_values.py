@@ -380,7 +380,7 @@ def _compute_opposing_fraction(
         for rule in ("opposing", "all")
     )
     with np.errstate(divide="ignore", invalid="ignore"):
-        # The denominator Σ F |t·s| of the fraction equals the load to first order in the slopes.
+        # The denominator `total_load` is Σ F |t·s|, which equals the load to first order in the slopes.
         fraction = opposing_load / total_load
     return {"share_opposing": ((*member_dims, "direction", "load"), fraction, quantity_attributes("share_opposing"))}
 

@@ -72,7 +72,7 @@ def iterate_points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
     """Yield one dataset for each result point: each combination of roughness or cutoff, load, mu0 and tau0."""
     cell_dims = [name for name in CELL_DIMENSIONS if name in at.dims]
     dims = [*cell_dims, *(name for name in ("load", "mu0", "tau0") if name in at.dims)]
-    # Selecting one index of a dimension takes less than half of the time if the dataset has no index of its coordinate.
+    # Dropping the indexes of the coordinates more than halves the time of each selection below.
     at = at.drop_indexes([name for name in dims if name in at.xindexes])
     for indices in np.ndindex(*(at.sizes[name] for name in dims)):
         yield at.isel(dict(zip(dims, indices, strict=True)))
@@ -152,7 +152,7 @@ class PointQuantities:
     estimates: dict[str, Estimate]
     # Quantities of a result point that have no interval, by name.
     numbers: dict[str, float]
-    # Quantiles of each distribution. The keys are the name of the distribution and the probability of the quantile.
+    # Quantiles of each distribution. The outer key is the name of the distribution, the inner key the probability.
     distributions: dict[str, dict[float, Estimate]]
 
 

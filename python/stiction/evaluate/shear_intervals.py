@@ -43,7 +43,7 @@ CURVE_NAMES = ("friction_coefficient", "shear_stress", "dilation")
 SHEAR_INTERVAL_ATTRIBUTES = ("peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa", "end")
 """Names of the dataset attributes of a shear test that have an interval."""
 
-# Arrays by the name of the quantity. The first axis contains random samples of the inputs, or strips of the faces.
+# Arrays of quantities, by name. Each index of the first axis is a random sample of the inputs, or a strip of the faces.
 _Samples = dict[str, Floats]
 
 

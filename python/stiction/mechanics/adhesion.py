@@ -41,9 +41,10 @@ from stiction.mechanics.half_space_problem import (
 )
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
 
-# Number of plain steps of the attraction between two extrapolated steps. The plain steps damp oscillations.
+# The iteration of the attraction is accelerated: after this number of plain steps, one step is extrapolated.
+# The plain steps damp oscillations.
 NUM_UNACCELERATED_STEPS = 2
-# Maximum ratio of the lengths of an extrapolated and a plain step.
+# Maximum length of an extrapolated step, divided by the length of the last change of the attraction.
 MAX_EXTRAPOLATION_FACTOR = 10.0
 # Maximum number of contact solutions for one external load, including jumps between equilibria.
 MAX_SOLVES_PER_LOAD = 2000
@@ -54,18 +55,19 @@ MAX_SOLVES_PER_CONTACT_LOAD = 60
 # Maximum number of contact solutions of maps for one contact load in the search for the pull-off load.
 # If the attraction converges slowly, as for soft bodies, energy minimizations are faster.
 MAX_SOLVES_PER_TRIAL_CONTACT_LOAD = 12
-# Maximum number of successive contact solutions that do not reduce the residual of the attraction.
+# The tolerance of the contact solutions is reduced after this number of solutions without a smaller residual.
 MAX_STALLED_SOLVES = 20
 # The attraction has converged if its relative residual is at most this multiple of the solver tolerance.
 MAX_RESIDUAL_TO_TOLERANCE_RATIO = 10.0
 # Smallest tolerance of a contact solution. Round-off may prevent convergence to smaller tolerances.
 MIN_SOLUTION_TOLERANCE = 1e-8
-# Tolerance of a contact solution, as a fraction of the latest residual in the iteration of the attraction.
+# Tolerance of a contact solution, divided by the latest residual of the iteration.
 TOLERANCE_TO_RESIDUAL_RATIO = 0.05
-# Tolerance relative to the latest residual while all steps are plain. It is large, as plain steps amplify no errors.
+# Tolerance of a contact solution, divided by the latest residual, in an iteration without extrapolated steps.
+# The tolerance is large, because plain steps do not amplify errors.
 PLAIN_TOLERANCE_TO_RESIDUAL_RATIO = 1.0
 MAX_SOLUTION_TOLERANCE = 1e-3
-# During separation, an increase of the attraction by less than this fraction of the maximum is a numerical error.
+# While the bodies separate, the attraction may rise by this fraction of its maximum, due to numerical errors.
 MAX_ATTRACTION_INCREASE = 1e-3
 # Bodies count as separate if the contact load is below this fraction of the mean attraction at first contact.
 MIN_CONTACT_LOAD_RATIO = 1e-3
@@ -74,15 +76,15 @@ CONTACT_LOAD_REDUCTION_RATIO = 0.6
 # Relative tolerance of the pull-off load.
 # The search ends if the bodies separate at a load that is below the lowest equilibrium load by this fraction.
 MINIMUM_LOAD_TOLERANCE = 0.01
-# A load minimum is accepted if plain steps separate the bodies at an external load that is lower by this fraction.
+# A pull-off load passes a test if plain steps separate the bodies at an external load that is lower by this fraction.
 EXCLUDED_LOAD_MARGIN = 0.05
-# An equilibrium is interpolated only if its predicted load is below all computed loads by this fraction.
+# Interpolation between equilibria continues only if the predicted load is below all computed loads by this fraction.
 MIN_LOAD_IMPROVEMENT = 0.003
-# External loads are interpolated between two equilibria only if their contact loads differ by at least this fraction.
+# Two equilibria are interpolated only if their contact loads differ by at least this fraction.
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
 # Maximum number of equilibria that are computed at interpolated contact loads.
 MAX_REFINEMENT_SOLVES = 6
-# After a larger relative change of the external load, separation does not prove that the new load has no equilibrium.
+# If bodies separate after the load changes by more than this fraction, the new load may still have an equilibrium.
 MAX_LOAD_STEP = 0.1
 # Maximum number of external loads that the search for the pull-off load tries.
 MAX_TRIAL_LOADS = 40
@@ -113,7 +115,7 @@ class _IterationState:
     stalled_count: int = 0
     number: int = 0
 
-    # Data for the caller's decision to stop the iteration: number of iterated states, best state and residuals.
+    # Data from which the caller decides when to stop the iteration: number of states, best state and residuals.
     num_states: int = 0
     best_state: AdhesionState | None = None
     best_state_number: int = 0
@@ -252,7 +254,7 @@ class AdhesionSolver:
                     raise EquilibriumNotFoundError(
                         "the iteration between attraction and contact pressures did not converge"
                     )
-                # The first two residuals of an iteration are ignored, because they may be small by chance.
+                # The residuals of the first two states are ignored, because they may be small by chance.
                 if residual < min(iteration.last_residual, iteration.best_residual) and iteration.num_states > 1:
                     iteration.best_state, iteration.best_residual = state, residual
                 iteration.last_residual = residual
@@ -409,7 +411,7 @@ class AdhesionSolver:
         # An equilibrium that was computed for a contact load may be unstable under its external load.
         # Energy minimizations may start only from equilibria that are stable under their external load.
         states, stable_states = [*first_states, state_of_lowest_load(states)], list(first_states)
-        # The negative attraction of an earlier state is a lower bound of later loads: contact loads are positive.
+        # Contact loads are positive, so no later load can be below the negative attraction of an earlier state.
         unsupported_load, is_certain = -first_states[-1].mean_attraction, True
         try:
             first_load = self._find_pull_off_load_on_coarser_grid(start)
@@ -426,7 +428,7 @@ class AdhesionSolver:
                     load = min(max(load, (1 + relative_step) * least_load), next_load)
                     relative_step *= 2
                     if unsupported_load >= next_load:
-                        # The bodies separated in an iteration from a distant load. It may have passed equilibria.
+                        # The bodies separated in an iteration from a distant load, which may have passed equilibria.
                         is_near = near.load < (1 - MAX_LOAD_STEP) * unsupported_load
                         load = unsupported_load if is_near else near.load + approach_step * (least_load - near.load)
                 if number == 0 and unsupported_load < first_load < least_load:
@@ -455,7 +457,7 @@ class AdhesionSolver:
         equilibrium, plain steps cannot.
         """
         least_load = state_of_lowest_load(states).load
-        # The later contact load minus the earlier attraction is a lower bound of the load between two equilibria.
+        # Between two equilibria, the load is at least (contact load of the later) - (mean attraction of the earlier).
         load_bounds = [later.contact_load - earlier.mean_attraction for earlier, later in itertools.pairwise(states)]
         if min([*load_bounds, -states[-1].mean_attraction]) >= (1 + MINIMUM_LOAD_TOLERANCE) * least_load:
             return True

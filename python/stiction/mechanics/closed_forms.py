@@ -27,7 +27,7 @@ from stiction.mechanics.model import SlidingRule
 _NUM_BISECTIONS = 64
 # A specified rms slope may exceed the rms gradient by at most this fraction, which is round-off.
 _SLOPE_TOLERANCE = 1e-9
-# Below this standard deviation of the slopes s, a short series gives the mean of (1 + s²)^(1/2) to the last bit.
+# Below this standard deviation of the slopes s, a short series gives the mean of (1 + s²)^(1/2) with full precision.
 _SMALL_SLOPE_LIMIT = 1e-3
 
 _P = ParamSpec("_P")
@@ -416,7 +416,7 @@ def maugis_dugdale(
             ):
                 lower_limit -= 1
             if _maugis_radius_and_load(lower_limit, attraction_strength)[1] < force / force_unit:
-                # Round-off hides the difference between the radii of the contact and of the attraction zone.
+                # The contact and the zone of attraction around it have radii whose difference is below round-off.
                 raise ArithmeticError
             log_ratio = brentq(
                 lambda x, s=attraction_strength, f=force / force_unit: _maugis_radius_and_load(x, s)[1] - f,

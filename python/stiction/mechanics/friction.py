@@ -321,7 +321,7 @@ def _tabulate_limited_pressure_ratios() -> Floats:
     from scipy.special import gamma, gammainc
 
     mean_pressures = np.linspace(MIN_TABULATED_MEAN_PRESSURE, 1.0, NUM_TABULATED_VALUES)[:, np.newaxis]
-    # The table ends slightly below a mean pressure of 1, at which the rate is 0 and its logarithm infinite.
+    # At a mean pressure of 1, `rate` would be 0, and its logarithm infinite, so the table ends slightly below 1.
     mean_pressures = np.minimum(mean_pressures, 0.9999)
     shape = 1.5 - 0.65 * mean_pressures
     log_low, log_high = np.full_like(mean_pressures, -12.0), np.full_like(mean_pressures, 12.0)
@@ -342,7 +342,7 @@ def _tabulate_limited_pressure_ratios() -> Floats:
 def _solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
     """Return the pressure p at which a sliding contact yields: p² + α (mu0 p + tau0)² = H²."""
     half_linear_coefficient = alpha * (mu0 * tau0)
-    # The contact seizes if `constant_term` is zero or negative.
+    # If `constant_term` is zero or negative, the contact seizes.
     constant_term = np.square(hardness) - alpha * tau0**2
     with np.errstate(invalid="ignore"):
         pressure = constant_term / (

@@ -36,7 +36,7 @@ quarter of the time of solving a contact with free boundaries.
 TILT_OVER_MEAN_DISPLACEMENT = 0.01
 # Relative tolerance of the solver for a linear response, in which the set of contact points is fixed.
 LINEAR_RESPONSE_TOLERANCE = 1e-7
-# Upper limit of the pressures in a linear response to a mean pressure of 1. It is too high to have any effect.
+# Upper limit of the pressures in a linear response to a mean pressure of 1. No pressure comes near this limit.
 MAX_LINEAR_RESPONSE_PRESSURE = 1e9
 MAX_CELL_ASPECT_RATIO = 1e6
 
@@ -79,7 +79,7 @@ copyreg.pickle(_core.HalfSpaceGrids, lambda grids: (_unpickle_grids, _key_of_gri
 
 def solver_thread_count() -> int:
     """Return the number of threads of a contact solver: the number that `scipy.fft.set_workers` has set."""
-    # While another thread imports `scipy.fft`, the module may not have `get_workers` yet.
+    # While another thread is importing `scipy.fft`, the module may lack `get_workers`.
     get_workers = getattr(sys.modules.get("scipy.fft"), "get_workers", None)
     return 1 if get_workers is None else int(get_workers())
 
@@ -109,7 +109,7 @@ class HalfSpaceProblem:
     missing: NDArray[np.bool_] | None = None
     # Tilt of the upper surface about its centre, as slopes: along y and x for maps, along x for profiles.
     tilt: Floats | float = 0.0
-    # True if the upper surface tilts until the resultant force acts at its centre.
+    # True if the upper surface tilts freely, so that the resultant force acts at its centre.
     has_free_tilt: bool = False
 
     @property
@@ -432,7 +432,7 @@ def coarsen_problem(problem: HalfSpaceProblem) -> HalfSpaceProblem:
         take_every_second_point(values) for values in (problem.upper_heights, problem.lower_heights, problem.gap)
     )
     _, _, effective_modulus, periodic = _key_of_grids[problem.grids]
-    # The cache keeps the grids of the original problem, which the next problem needs, instead of the coarse grids.
+    # The coarse grids are not cached, so that the cache keeps the grids of `problem`, which later problems need.
     grids = get_half_space_grids(gap.shape, spacing, effective_modulus, periodic=periodic, remains_cached=False)
     min_adhesion_range = min_resolved_adhesion_range(problem.work_of_adhesion, max(spacing), effective_modulus)
     adhesion_range = max(problem.adhesion_range, min_adhesion_range)
@@ -524,7 +524,8 @@ class TiltResponse:
     moments: Floats
     # Change of the pressures (GPa) per unit slope along each axis, at constant load.
     slope_pressures: list[Floats]
-    # Change of the n moments per unit slope along n axes. The matrix is negative definite if several points touch.
+    # Change of the moments about n axes per unit slope along n axes, as an n × n matrix.
+    # The matrix is negative definite if several points touch.
     moments_per_slope: Floats
 
     @classmethod

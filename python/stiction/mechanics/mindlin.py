@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from stiction.mechanics.contact import Contacts
     from stiction.mechanics.half_space_problem import ContactSolution
 
-# Traction bounds count as uniform if they differ by at most this fraction.
+# The upper limits of the tractions count as uniform if they differ by at most this fraction.
 UNIFORMITY_TOLERANCE = 1e-12
 NUM_QUADRATURE_NODES = 24
 
@@ -112,7 +112,7 @@ class AsperityTangentialProblem:
         """Return the slip state in which all contacts together support a tangential load (mN)."""
         from scipy.optimize import brentq
 
-        # The argument `near` is not used, because the explicit solution needs no initial guess.
+        # The argument `near`, a guess for iterative methods, is not used, because the solution here is explicit.
         del near
         max_displacement = float(self.sliding_displacement.max())
         displacement = max_displacement
@@ -142,7 +142,7 @@ class AsperityTangentialProblem:
         """
         depth = self._slip_depth(slip.displacement)
         nodes, weights = np.polynomial.legendre.leggauss(NUM_QUADRATURE_NODES)
-        # With t = cos φ, the integral runs over φ from the edge of the contact (φ = 0) to the end of the slip zone.
+        # With t = cos φ, the energy integral runs from the edge of the contact (φ = 0) to the end of the slip zone.
         end_angle = np.arcsin(depth)[:, np.newaxis]
         sine = np.sin(0.5 * end_angle * (nodes + 1))
         strength = self._spring_strengths(sine)

@@ -38,7 +38,7 @@ class PatchSums:
 
     # Vertical component of the contact forces, Σ F n_z (mN).
     force: Floats
-    # Area along the deformed interface (µm²).
+    # Contact area, measured along the deformed interface (µm²).
     area: Floats
     # Component of the contact forces against the motion, -Σ F s·n (mN).
     leaning: Floats
@@ -50,7 +50,7 @@ class PatchSums:
     upward_area: Floats
     # Component of the friction due to tau0 against the motion, divided by tau0: -Σ A s·t (µm²).
     forward_area: Floats
-    # Rms slope of each contact's area, weighted by the contact force, with one value for each of k contacts.
+    # Rms slope of the area of each of k contacts, weighted by the contact force.
     steepness: Floats
     # Index of the first patch of each contact.
     first_patch: NDArray[np.int64]

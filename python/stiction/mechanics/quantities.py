@@ -66,11 +66,11 @@ class ResultQuantity:
     kind: QuantityKind
     along: tuple[QuantityAxis, ...] = ()
     dtype: type = float
-    # Name of the quantity in the numerator of a ratio, such as a validity indicator or a stiffness per area.
+    # Name of the quantity that is the numerator, if this quantity is a ratio such as a stiffness per area.
     numerator: str = ""
     # Names of the quantities whose sum is the denominator of a validity indicator.
     denominator: tuple[str, ...] = ()
-    # Name of the sum under load that corresponds to a sum at zero load.
+    # Name of the same sum under load, if this quantity is a sum at zero load.
     sum_under_load: str = ""
     # Range to which the limits of the quantity's interval are clipped.
     bounds: tuple[float, float] = (-math.inf, math.inf)
@@ -89,7 +89,7 @@ class ResultQuantity:
     proportional_with_adhesion: bool = True
     # True if the mean of the quantity over an ensemble is weighted by the load.
     weighted: bool = False
-    # Name of another quantity: the fraction of members for which only a lower bound of this quantity is known.
+    # Name of the quantity that gives the fraction of members for which this quantity is only a lower bound.
     bound_fraction: str = ""
     stored: frozenset[QuantitySource] = frozenset()
     # True if results of earlier versions do not contain the quantity, which is then NaN.

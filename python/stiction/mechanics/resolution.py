@@ -38,7 +38,7 @@ _FOUR_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 _PLASTIC_WAVELENGTH_DESCRIPTION = "wavelength at which the elastic mean pressure reaches the hardness"
 # The area coefficient κ = A E* h'/F at small loads. On Gaussian maps, κ is 2.05 to 2.5.
 KAPPA_AT_SMALL_LOADS = 2.2
-# Attributes of a load curve that have one number per load, equal for all directions of motion.
+# Attributes of a load curve with one number per load, which is the same for all directions of motion.
 _DIRECTION_INDEPENDENT_FIELDS = ("contact_area", "contact_count", "load_share_at_hardness", "error")
 # Names of the result variables that differ from the attribute of a load curve.
 _VARIABLE_NAMES_BY_FIELD = {"load_share_at_hardness": "load_fraction_at_hardness"}
@@ -415,7 +415,7 @@ def _add_plastic_limits(
         kappa * loads / (modulus * body_pair.nominal_area * brackets.interface_area_ratio(np.array(gradient)))
     )
     area_fractions = brackets.elastic_area_fraction(gradients, area_of_slope, kappa_uncertainty)
-    # The uncertainty of the rms gradient hardly affects the slope correction, so its best estimate suffices.
+    # The slope correction hardly depends on the uncertainty of the rms gradient, so the best estimate is used.
     central_gradients = gradients[:, :1, np.newaxis]
     dimensions = ("finer_wavelength", "normal_load", "statistic")
     quantities: dict[str, tuple[Any, Floats, str, str]] = {

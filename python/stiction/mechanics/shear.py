@@ -336,7 +336,8 @@ class ShearBox:
         max_load = math.inf if self.hardness is None else self.hardness * overlap_area
         rows: list[StepResult] = []
         if self.stiffness and first_row is not None and not math.isfinite(float(first_row["height"])):
-            # If the height at the first offset is unknown, the dilation and the normal load are unknown too.
+            # With a stiffness, the normal load depends on the dilation, which is measured from the first height.
+            # If the height at the first offset is unknown, the normal load is unknown, too.
             missing_values = dict.fromkeys((*_STEP_QUANTITIES, "elastic_load"), math.nan)
             return missing_values | {"overlap_area": overlap_area, "status": STATUS_NOT_SOLVED}
 
@@ -546,7 +547,7 @@ def _search_contact_force(
             return STATUS_NO_CONTACT
         if lower_load_limit > (1 - NORMAL_LOAD_TOLERANCE) * max_load:
             return STATUS_NOT_REACHED
-        # The first step assumes that the normal load is proportional to the elastic load.
+        # In the first step, the normal load is assumed to be proportional to the elastic load.
         slope = (
             (load_excess + target) / trial_load
             if last_trial is None

@@ -39,7 +39,8 @@ MAX_EDGE_DISPLACEMENT_STEP = 0.5
 # Number that is added to the moment per unit slope, so that Newton's equations have a solution.
 # The unit of the number is (mean pressure) · (side length)² / (standard deviation of the gap).
 MIN_MOMENT_RESPONSE = 1e-6
-# Tolerance of displacements, relative to the largest displacement, in the search that starts from rigid surfaces.
+# Tolerance of the displacements, relative to the largest displacement, if the search for the tilt starts from rigid
+# surfaces.
 INDENTATION_TOLERANCE = 1e-6
 MAX_CUTTING_PLANES = 200
 # Accepted error of the potential energy of rigid surfaces, as a fraction of (load) · (range of the gap).
@@ -167,7 +168,7 @@ def find_rigid_tilt(problem: HalfSpaceProblem, total_pressure: float) -> Floats:
         planes.append([*-moments, 1.0])
         offsets.append(energy - float(moments @ slopes))
         solution = linprog([*np.zeros(len(arms)), -1.0], A_ub=planes, b_ub=offsets, bounds=slope_bounds)
-        # The vertex is computed exactly from the active planes, because the simplex solution has a coarse tolerance.
+        # The optimum is computed again from the active planes, because `linprog` has a coarse tolerance.
         vertex, active_planes = solution.x, np.argsort(solution.slack)[: len(arms) + 1]
         if len(planes) > len(arms) and np.linalg.matrix_rank(np.array(planes)[active_planes]) == len(arms) + 1:
             vertex = np.linalg.solve(np.array(planes)[active_planes], np.array(offsets)[active_planes])

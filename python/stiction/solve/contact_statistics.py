@@ -113,7 +113,7 @@ class ContactList:
     cells: Floats
     # True for each contact that reaches the edge of the grid.
     at_edge: NDArray[np.bool_]
-    # Contact pressures (GPa) of the pressure distribution, with one entry in `weight` for each.
+    # Contact pressures (GPa) whose distribution is evaluated. Each pressure has a weight in `weight`.
     pressure: Floats
     # Weight of each contact pressure, proportional to the area with this pressure.
     weight: Floats

@@ -124,7 +124,7 @@ def _start_without_interrupts(process: ForkProcess) -> None:
     """Start a forked copy of this process, in which Ctrl-C is blocked until the copy can handle it."""
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
-        # Python warns about copying a process that has threads, but OpenBLAS stops its threads in the copied process.
+        # Python warns about copying a process that has threads, although OpenBLAS stops its threads in the copy.
         with warnings.catch_warnings(action="ignore", category=DeprecationWarning):
             process.start()
     finally:

@@ -232,7 +232,7 @@ def _solve_asperities(
     solved_loads = np.flatnonzero(status == STATUS_OK)
     if not solved_loads.size:
         return
-    # With the detection method `gap_minimum`, each contact starts with zero load, so the load curve has no jumps.
+    # Only with the detection method `cell`, contacts can start with a load above zero, and the load curve can jump.
     approach_fractions = [
         1 - STIFFNESS_DIFFERENCE_STEP,
         1 - LOAD_JUMP_DISTANCE * (first_model.detection == "cell"),

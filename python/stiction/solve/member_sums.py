@@ -143,7 +143,7 @@ class MemberSums:
             for name in names:
                 variable = piece.variables[name]
                 dims = [str(dim) for dim in variable.dims if dim != "repetition"]
-                # Sums are faster if the repetitions are contiguous in memory.
+                # Summing over repetitions is faster if the repetitions are contiguous in memory.
                 values = np.ascontiguousarray(arrange_axes(variable, (*dims, "repetition")))
                 is_solved = ~np.isnan(values)
                 piece_sum = xarray.Variable(dims, np.where(is_solved, values, 0).sum(axis=-1))

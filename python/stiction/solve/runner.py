@@ -354,7 +354,7 @@ def _describe_remaining_work(
 
 # A new estimate of the run time is printed only if the remaining time (s) is at least this long.
 MIN_REPORTED_TIME = 60.0
-# A new estimate of the run time is printed only if a member takes at least this many times its estimated time.
+# A new estimate of the run time is printed only if members take at least this many times the estimated time.
 MIN_TIME_RATIO_FOR_NEW_ESTIMATE = 1.5
 
 
@@ -418,7 +418,7 @@ def _submit_member_ranges(
     ranges = iter(unfinished_members)
     task = wrap_to_use_idle_threads(task, pool, sum(1 for _ in unfinished_members), count_grid_points(arguments[1]))
     pending_members: dict[Future[Any], range] = {}
-    # An interruption of `concurrent.futures.wait` would leave some futures locked, so a queue replaces it.
+    # Results arrive through a queue, because an interrupted `concurrent.futures.wait` would leave some futures locked.
     finished_futures: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
 
     def submit_tasks(count: int) -> None:
@@ -456,7 +456,7 @@ class SharedResultDirectory:
     """Result directory in which workers write block files themselves, if they can access the directory."""
 
     path: Path
-    # Name of a file that exists in the blocks directory until the run ends.
+    # Name of a file in the blocks directory. The file exists until the run ends.
     token: str
 
     def is_accessible(self) -> bool:

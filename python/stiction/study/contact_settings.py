@@ -317,7 +317,7 @@ class ContactSettingsForMeasuredSurfaces(CommonContactSettings):
             )
             elasticity = derive_elasticity(young, poisson, is_named=data.get("materials") is not None)
         except (ValueError, IndexError):
-            # Invalid moduli are reported by the validation of the keys `young` and `poisson`.
+            # Errors in the moduli are ignored here. The validation of the keys `young` and `poisson` reports them.
             return data
         derived_elasticity: dict[str, Any] = {
             "effective_modulus": exact_quantity(elasticity.effective_modulus, "GPa"),

@@ -22,7 +22,7 @@ from stiction.mechanics.materials import (
 
 # Number of digits to which Young's modulus, Poisson's ratio and hardness of a material are rounded.
 NUM_MATERIAL_DIGITS = 3
-# Number of digits of elastic constants for which E* of every pair of materials has three correct digits.
+# Elastic constants are written with this number of digits, so that E* of any two materials has three correct digits.
 NUM_ELASTIC_CONSTANT_DIGITS = 6
 
 

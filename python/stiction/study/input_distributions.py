@@ -28,7 +28,8 @@ from stiction.study.values import FrictionCoefficients, ShearStrengths
 InputDistribution = Literal["exact", "normal", "log-normal", "uniform"]
 # Half width of the 95 % interval of a normal distribution, in standard deviations.
 Z_95 = 1.959963984540054
-# Number of random samples of each input. With fewer, equal inputs get budget fractions that differ by over 0.01.
+# Number of random samples of each input.
+# With fewer samples, the budget fractions of two equally uncertain inputs would differ by more than 0.01.
 NUM_INPUT_SAMPLES = 2**14
 # Smallest accepted standard uncertainty of an input, relative to its central value.
 MIN_RELATIVE_UNCERTAINTY = 1e-9
@@ -76,7 +77,7 @@ SLIP_LINE_TEXT = "slip-line"
 # Smallest and largest accepted ratio of hardness to shear strength in slip-line theory.
 MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5
 # Smallest and largest accepted exponent m of the area of yielding contacts.
-# Fine asperities have exponents far above the lower limit, and surface steps have exponents below the upper limit.
+# Exponents of fine asperities are far above the lower limit. Exponents of surface steps are below the upper limit.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
 # Largest fraction of the true area that contacts may lose when they are sheared.
 MAX_AREA_LOSS = 0.9
@@ -97,7 +98,7 @@ class UncertainInput:
     distribution: InputDistribution
     # Text of an input as the user wrote it.
     text: str
-    # Upper limit of the samples of an input.
+    # Largest number that random samples of an input may have.
     maximum: float = math.inf
     # True if the input is the ratio of hardness to shear strength, False if it is α of junction growth.
     uses_slip_lines: bool = False
@@ -138,7 +139,7 @@ class UncertainInput:
         if self.distribution == "log-normal":
             return np.asarray(self.value * np.exp(ndtri(probability) / Z_95 * 0.5 * math.log(self.high / self.low)))
         deviation = (self.high - self.low) / (2 * Z_95)
-        # The normal distribution is truncated at zero, and loses numbers of the probability `probability_below_zero`.
+        # Values below zero, which have the probability `probability_below_zero`, are excluded from the distribution.
         probability_below_zero = ndtr(-self.value / deviation)
         return np.asarray(
             np.maximum(
@@ -359,7 +360,7 @@ def generate_sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, se
         for dimension, matrix in enumerate(matrices):
             bits = matrix @ _compute_sobol_direction_bits(*SOBOL_GENERATORS[dimension]) % 2
             for index, number in enumerate((place_values[::-1] @ bits)[:num_bits]):
-                # In Gray-code order, the second half of the points is the reversed first half with one bit flipped.
+                # In Gray-code order, the second half of the points is the first half in reverse, with one bit flipped.
                 first_half = integers[: 2**index, dimension]
                 integers[2**index : 2 ** (index + 1), dimension] = first_half[::-1] ^ number
         points = integers * 0.5**SOBOL_BITS
@@ -377,7 +378,7 @@ def select_by_weight(cumulative_weights: Floats, count: int, offset: float) -> N
     `offset` is a number from 0 to 1 that shifts the selection.
     """
     targets = (np.arange(count) + offset) / count * cumulative_weights[-1]
-    # Round-off can make the last target larger than the sum of all weights, so the index is limited.
+    # Round-off may raise the last target above the sum of all weights, and its index above the last index.
     indices: NDArray[np.intp] = np.minimum(np.searchsorted(cumulative_weights, targets), cumulative_weights.size - 1)
     return indices
 

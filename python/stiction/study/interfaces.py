@@ -100,7 +100,7 @@ FAULTS_HEADER_ENTRY, CAUTIONS_HEADER_ENTRY = "do not quote", "quote with care"
 or only with care.
 """
 
-# Largest normal score that is recovered from a file without columns of scores.
+# If a file has no columns of normal scores, the scores are computed from the samples. They are limited to this number.
 MAX_SCORE_OF_OLD_FILE = 5.0
 _SCORE_COLUMN_PREFIX = "score of "
 
@@ -469,7 +469,7 @@ def compute_coverage_at_bound(values: Floats) -> float:
     if density_at_bound == 0:
         return 0.0
     squared_score = max(Z_95**2 + 2 * math.log(density_at_bound / max_density), 0.0)
-    # The limit removes the round-off of the error function if the density is highest at 0.
+    # If the density is highest at 0, the probability is 95 %, which `min` keeps exact despite round-off of `erf`.
     return min(math.erf(math.sqrt(squared_score / 2)), INTERVAL_COVERAGE)
 
 

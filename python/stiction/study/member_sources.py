@@ -146,7 +146,7 @@ class LineMemberSource:
             return self._member_at(slider, counterface, round(self.positions[offset_index] / slider.spacing), line)
         if max_steps == 0 and offset_index > 0:
             raise ValueError("several positions require a slider that is shorter than its counterface; give a travel")
-        # Several pairs of lines are pressed unshifted.
+        # Several pairs of lines are pressed without a shift.
         # A single pair of lines is shifted, because both lines may come from the same scan.
         is_unshifted = pairs.has_several_pairs and num_offsets == 1 and pairs.travel is None
         if is_unshifted or max_steps == 0:
@@ -214,7 +214,7 @@ class MapMemberSource:
 
     pairs: MapPairs | IsotropicSurfacePairs | SurfacePairsFromSpectra
     scans: tuple[MeasuredBody, MeasuredBody]
-    # Number of surrogate pairs (which come before the other members), or None if all members are surrogates.
+    # Number of pairs of surrogates, which are the first members. None if all members are surrogates.
     surrogates: int | None = None
 
     def member(self, index: int) -> EnsembleMember:

@@ -240,7 +240,8 @@ class PreparedBodies:
     def member(self, index: int, wavelength: float) -> EnsembleMember:
         """Return the member with a given index, from scans low-pass filtered at a cutoff (µm; 0 for no filter)."""
         surfaces = self._surfaces
-        # Members are numbered from 0 in each pair of scans. Surrogates keep the study's member number as their seed.
+        # Members are numbered from 0 in each pair of scans. The exception are surrogates, whose seed is the number in
+        # the study.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
         index_within_pair = index if has_surrogates else index // math.prod(surfaces.scan_counts)
         return self.members(wavelength, *surfaces.scan_indices_of_members(index)).member(index_within_pair)

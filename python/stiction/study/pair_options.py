@@ -444,7 +444,7 @@ class PairOption:
     key: str = ""
     field: FormField | None = None
     applies: tuple[OptionCondition, ...] = ()
-    # True if the short help lists the option.
+    # True if the option is listed in the short help of the command.
     is_common: bool = False
     # True if the option can be given several times on the command line.
     is_repeatable: bool = False

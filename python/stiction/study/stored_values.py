@@ -51,7 +51,7 @@ class VariableSpec:
     bounds: tuple[float, float] = ANY_STORED_VALUE
     may_be_nan: bool = False
     is_required: bool = True
-    # Name of the dimension along which the numbers of a stored variable increase strictly. It may be empty.
+    # Name of the dimension along which the numbers must increase strictly, or an empty text without this requirement.
     ascending_dim: str = ""
 
 
@@ -88,7 +88,7 @@ def check_values(
     if has_nan and not may_be_nan:
         raise DamagedFileError(f"has {name} with a value that is not a number")
     if has_nan or math.isinf(smallest_value) or math.isinf(largest_value):
-        # An infinite number is permitted only if it equals a bound. Finite numbers are compared with finite bounds.
+        # An infinite number is permitted only if it equals one of the bounds. Finite numbers are checked afterwards.
         is_permitted = np.isnan(values) | np.isin(values, [bound for bound in bounds if math.isinf(bound)])
         smallest_value, largest_value = (
             _find_extremes(values[~is_permitted]) if not is_permitted.all() else (math.inf, -math.inf)

@@ -96,7 +96,7 @@ _LEADING_KEYS = (
 
 _STUDY_LIBRARY_DIRECTORY = resources.files("stiction.study") / "library"
 DEFAULT_SEED = 2016
-# Difference between two studies: dotted key, and the TOML value of the key in each study.
+# Difference between two studies: key with dots, and value of this key in each study as TOML text.
 StudyDifference = tuple[str, str, str]
 MAX_LISTED_DIFFERENCES = 4
 

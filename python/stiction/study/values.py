@@ -195,7 +195,7 @@ class SettingsSection(BaseModel):
         except ValidationError as error:
             raise _convert_validation_errors(type(self), error, "") from None
 
-    # This attribute makes pydantic validate nested sections without constructors, so that one error lists all faults.
+    # With this attribute, pydantic calls no constructors of nested sections, so that one error lists all faults.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
 
@@ -298,7 +298,7 @@ class LoadRange(_SteppedValueRange):
     stop: Force
 
 
-# A value is tagged as a range or a list before validation, so that error messages mention only the form in the file.
+# Before validation, a value is tagged as a range or as a list, so that an error message describes only this form.
 RANGE_TAG, LIST_TAG = "a range", "a list"
 
 

@@ -80,7 +80,7 @@ MAX_SPACING_RATIO = 3.0
 
 # The interface counts as nearly as strong as the bulk above this ratio of τ0 to H/√α.
 NEARLY_BULK_STRENGTH_RATIO = 0.7
-# The interval has no upper limit if friction has no upper limit in more than this fraction of the input samples.
+# The interval has no upper limit if more than this fraction of the input samples gives unlimited friction.
 MAX_UNLIMITED_SAMPLE_FRACTION = 0.025
 MIN_UNLIMITED_SAMPLE_FRACTION = 0.01
 """Fraction of input samples without an upper limit of friction above which the result has a caveat.
@@ -112,7 +112,7 @@ docs/explanation/adhesion.md describes the fit.
 
 # A coefficient counts as equal to mu0 if it differs from mu0 by at most this fraction.
 MAX_DEVIATION_FROM_MU0 = 0.02
-# Factor by which a number such as 2.25 is raised, so that it rounds up as in the report.
+# A number is multiplied by this factor before rounding, so that 2.25 is rounded up as in the report.
 ROUND_UP_FACTOR = 1 + 1e-12
 MAX_RELATIVE_HALF_WIDTH = 0.5
 
@@ -149,9 +149,9 @@ class LimitCheck(NamedTuple):
     text: str
     remedy: str
     severity: Severity = "fault"
-    # Key of the number's format in the dict that `list_number_formats` returns.
+    # Name of the format in which the number is printed: a key of the dict that `list_number_formats` returns.
     shown: str = "digits"
-    # Name of the number that the text states, if the check compares another number with the limit.
+    # Name of the number that the text states, or an empty text if the text states the checked number.
     about: str = ""
 
     @property
@@ -172,7 +172,7 @@ class LimitCheck(NamedTuple):
         )  # fmt: skip
 
 
-# Each group of checks reports only its first failed check.
+# Groups of checks. In each group, only the first failed check is reported.
 CheckGroups = Sequence[Sequence[LimitCheck]]
 
 ASSESSMENTS_BY_SEVERITY = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it"}
@@ -675,7 +675,7 @@ def _find_caveats_about_unlimited_friction(
             + ("; the interval has no upper limit" if unlimited_fraction > MAX_UNLIMITED_SAMPLE_FRACTION else "")
         )
         severity: Severity = "fault" if unlimited_fraction > MAX_UNLIMITED_SAMPLE_FRACTION else "caution"
-        # A smaller load can help: contacts yield at the same pressure, but no longer grow over the whole nominal area.
+        # A smaller load can help: contacts then yield at the same pressure, but do not cover the whole nominal area.
         is_load_limited = not growth.uses_slip_lines and strength_ratio < 1
         remedy = "measure the hardness, and determine μ0 and τ0 with stiction calibrate"
         yield Caveat(text, remedy + (", or reduce the load" if is_load_limited else ""), severity)

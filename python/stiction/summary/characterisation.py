@@ -33,7 +33,7 @@ from stiction.surfaces.surface import Surface
 # Friction coefficient mu0 of the interface that small-slope estimates assume.
 ASSUMED_MU0 = 0.4
 RADIAL_BINS_PER_DECADE = 20
-# After a Hann window, ln(density) in a bin of n harmonics has a variance of this number divided by n.
+# If a spectrum has a Hann window, the variance of ln(density) in a bin of n harmonics is this number divided by n.
 _HANN_LOG_VARIANCE = 2.0
 
 

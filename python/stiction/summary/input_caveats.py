@@ -394,7 +394,7 @@ def _find_instrument_caveats(
         # A flat body has no spectrum.
         return
     if 0 < cut_off < limit.cut_off and limit.slope_fraction > 0 and not has_second_cutoff:
-        # Noise causes no caveat at cutoffs of `limit.cut_off` or above.
+        # Noise causes no caveat if the scan is filtered with at least the cutoff `limit.cut_off`.
         limit = replace(limit, slope_fraction=defects.find_noise_slope_fraction(cut_off))
     shortest_resolved = limit.wavelength if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else 0.0
     if shortest_resolved:

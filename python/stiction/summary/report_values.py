@@ -98,7 +98,8 @@ def evaluate_measured_report(grid: ReportGrid) -> MeasuredReportValues:
     estimates, sampling, status_codes, num_solved, slopes = (
         np.stack(arrays) for arrays in zip(*(_stack_motions(values, grid.motions) for values in tables), strict=True)
     )
-    # Combined intervals exist only for the reported kind of member, and for means over all directions.
+    # Combined intervals exist only for the kind of member (positions or surrogates) whose result is reported.
+    # They also require a mean over all directions.
     has_combined = np.zeros((len(tables), len(grid.motions)), bool)
     has_combined[0] = [len(motion) == len(grid.motions[0]) for motion in grid.motions]
     estimates[
@@ -173,7 +174,7 @@ def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.int
 # ---- Generated surfaces ----------------------------------------------------------------------------------------------
 
 # Mean ratio of overlap to radius above which the asperity model is invalid.
-# Validity indicators that are load fractions have the limit `MAX_AFFECTED_FRACTION`.
+# The limit of validity indicators that are load fractions is `MAX_AFFECTED_FRACTION`.
 MAX_OVERLAP_RADIUS_RATIO = 0.1
 
 STATUSES_OF_GENERATED_SURFACES = (

@@ -459,7 +459,7 @@ def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
     The returned list begins with the points at the reported cutoff. The points at the other cutoff are marked as
     covered.
     """
-    # The reported coefficient is the coefficient at the first cutoff.
+    # The first point has the reported coefficient. Points at a different cutoff are covered by its interval.
     cut_off = points[0].at["cut_off"]
     points_at_other_cutoff = {
         _get_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off
@@ -548,7 +548,7 @@ def summarize_point(
     cut_off = read_number(point, "cut_off") if "cut_off" in point.coords else 0.0
     rule_with_interval_of_mean = _with_interval_of_mean(rules[0])
     has_interval_note = rules[0].has_interval and covers_alternatives
-    # A cutoff removes caveats only if the user has specified the cutoff.
+    # A caveat about short wavelengths is removed only if the user has specified a cutoff that filters them out.
     kept_caveats = [
         replace(caveat, text=caveat.text + (caveat.interval_note if has_interval_note else ""), interval_note="")
         for caveat in input_caveats

@@ -17,7 +17,8 @@ from stiction.surfaces.surface import AnyBody, Surface, as_body
 
 FilterKind = Literal["S", "L"]
 MonomialExponents = tuple[int, ...]
-# Shortest cutoff of a filter, in points. At 0.5, the shortest wavelength of a grid still has 96 % of its amplitude.
+# Shortest cutoff of a filter, in points.
+# With a cutoff of 0.5 points, 96 % of the amplitude remains at the shortest wavelength, two points.
 MIN_CUTOFF_POINTS = 0.5
 # Minimum cutoff (points) for which the filter fits straight lines near the ends of a profile.
 _MIN_REGRESSION_CUTOFF_POINTS = 4.0

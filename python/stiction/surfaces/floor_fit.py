@@ -31,7 +31,7 @@ class BinnedSpectrum(NamedTuple):
     density: Floats
     # Shape parameter of the gamma distribution of the spectral density in each bin.
     weight: Floats
-    # Spectral density of white noise with a noise level of 1.
+    # Spectral density of white noise whose noise level is 1.
     floor: float = 1.0
 
 

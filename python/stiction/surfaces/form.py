@@ -16,7 +16,7 @@ RoundForm = Literal["circle", "sphere", "cylinder"]
 # Coordinates (x, y) in µm relative to the middle of the map.
 PointCoordinates = tuple[Floats, Floats]
 _FormModel = Callable[[Floats, PointCoordinates], Floats]
-# Lower limit of cos² of the slope angle, which is computed as a negative number beyond the equator of a sphere.
+# Lower limit of cos²(slope angle). Beyond the equator of a sphere, the computed cos² would be negative.
 _MIN_COSINE_SQUARED = 1e-6
 # The fit of a round form has converged if residuals and parameters change by less than this fraction.
 _FIT_TOLERANCE = 1e-12

@@ -14,9 +14,10 @@ _EQUAL_DIFFERENCE_TOLERANCE = 1e-6
 _MIN_REPETITIONS = 5
 # If heights are rounded, at least this fraction of the second differences occurs repeatedly.
 _MIN_FRACTION_OF_REPEATED_DIFFERENCES = 0.5
-# If heights are rounded, this fraction of second differences are multiples of a step, within a tolerance (steps).
+# Heights count as rounded only if at least this fraction of the second differences are multiples of a step.
+# A multiple may deviate from an integer by at most `_MULTIPLE_TOLERANCE`.
 _MIN_FRACTION_OF_MULTIPLES, _MULTIPLE_TOLERANCE = 0.9, 0.05
-# Minimum fraction of multiples of the rounding step among the nonzero second differences.
+# Minimum fraction of multiples of the step, counted among nonzero second differences only.
 # A difference of 0, as in a clipped map, is a multiple of any step, so it is no evidence of rounding.
 # Without rounding, 10 % of the second differences are within the tolerance of a multiple by chance.
 _MIN_FRACTION_OF_NONZERO_MULTIPLES = 0.5

@@ -27,7 +27,7 @@ from stiction.surfaces.surface import Surface
 MAX_FITTED_WAVELENGTH_POINTS = 16.0
 _BINS_PER_OCTAVE = 8
 _MIN_FIT_BINS = 8
-# In each bin, the true spectral density is assumed to deviate from a power law by this fraction.
+# Assumed relative deviation of the true spectral density from a power law in each bin.
 _RELATIVE_MODEL_ERROR = 0.1
 # Spectral exponents of the lines of self-affine surfaces with the Hurst exponents 0 and 2.
 _LINE_SPECTRUM_EXPONENT_RANGE = (1.0, 5.0)
@@ -104,7 +104,7 @@ def _estimate_short_wavelength_noise(surface: Surface, periodic: bool) -> float:
 def _bin_short_wavelengths(spectrum: LineSpectrum, periodic: bool) -> BinnedSpectrum | None:
     """Average a spectrum in bins at wavelengths of up to 16 grid spacings, or return None if there are too few bins."""
     q, density, count, spacing = spectrum
-    # The Hann window adds power from longer wavelengths to the first two harmonics, so they are excluded.
+    # The first two harmonics are excluded, because the Hann window adds power from longer wavelengths to them.
     if not periodic:
         q, density, count = q[2:], density[2:], count[2:]
     is_fitted = q * MAX_FITTED_WAVELENGTH_POINTS * spacing * (1 + 1e-9) >= 2 * math.pi

@@ -39,7 +39,7 @@ _MIN_PIECE_BINS = 4
 # Every measured spectrum deviates from a power law by at least 10 %.
 _RELATIVE_MODEL_ERROR = 0.1
 # Minimum increase of the log-likelihood for which a spectrum is divided into one more piece with its own power law.
-# The increase must be large: a power law has three parameters and can begin at any of about 50 bins.
+# The increase must be large, because each power law has three parameters and can begin at any of about 50 bins.
 _SPECTRUM_PIECE_PENALTY = 10.0
 # Maximum deviance per bin of a piece of a spectrum from its fitted power law.
 # Random scatter causes a deviance of about 1 per bin.
@@ -324,7 +324,7 @@ def estimate_hurst_exponent(
     dispersion = max(1.0, bins.deviance(exponent, bins.count / variance_factor))
     fit = PowerLawFit(np.log(q), power, np.full(q.size, 1 / (variance_factor * dispersion)))
     smallest_exponent, largest_exponent = fit.exponent_interval(fit.min_loss + _CHI_SQUARED_95 / 2)
-    # The interval of the Hurst exponent includes the uncertainty of the roll-off wavelength.
+    # The interval of the Hurst exponent includes the uncertainty of the roll-off wavelength, which is fitted together.
     if piece_bins is not None:
         piece_weight = piece_bins.count / (variance_factor * dispersion)
         log_q_rows, losses = _fit_roll_offs(piece_bins, piece_weight)

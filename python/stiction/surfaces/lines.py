@@ -20,9 +20,9 @@ from stiction.surfaces.surface import Surface, as_body, reject_flat_body
 # More lines add little information, because neighbouring lines are correlated.
 MAX_FITTED_LINES = 64
 _BOTH_AXES: tuple[LineOrientation, LineOrientation] = ("x", "y")
-# A power law is accepted if it deviates from the spectral density by at most this rms factor.
+# A power law is accepted if the spectral density deviates from it by at most this factor (rms of ln(density)).
 MAX_POWER_LAW_MISFIT = 1.5
-# Two wavelength bands count as equal if their shortest, and their longest, wavelengths differ by less than this factor.
+# Two wavelength bands count as equal if both limits of the bands (shortest, longest) differ by less than this factor.
 _MAX_EQUAL_BAND_RATIO = 1.5
 # Assumed variance of ln(density) in a bin due to deviations of the spectrum from a power law, without random scatter.
 _LOG_MODEL_VARIANCE = 0.04

@@ -28,13 +28,14 @@ _MIN_OUTLIER_RATIO = MIN_OUTLIER_SIGMAS * 1.4826
 MAX_OUTLIER_GROUP_SIZE = 4
 
 # Median deviation of rounded heights from their neighbours, as a fraction of the rounding step.
-# Rounding causes deviations of 0.25 steps from means of neighbours, and of 0.21 to 0.33 steps from lines through them.
+# For rounded heights, the median deviation from a mean of neighbours is 0.25 steps.
+# The median deviation from a line through neighbours is 0.21 to 0.33 steps.
 _MEDIAN_ROUNDING_DEVIATION = 0.25
 # Round-off of heights after a form was subtracted, as a fraction of the height range.
 _ROUND_OFF_RATIO = 1e-10
 # A scan has flat regions if at least this fraction of its heights is within a rounding step of the neighbours.
 _MAX_FLAT_FRACTION = 0.25
-# If at least this fraction of the points is rough, flat regions count as clipped or filled.
+# Flat regions count as clipped or filled if at least this fraction of all points is rough.
 _MIN_ROUGH_FRACTION = 0.02
 
 # Width (points) of the window of local medians, by the number of dimensions: 1 for profiles, 2 for maps.
@@ -42,7 +43,7 @@ _WINDOW_WIDTHS = {1: 31, 2: 7}
 # Minimum number of neighbour means from which the height of a point is estimated.
 # With three means, the median is correct even if an outlier affects one mean.
 _MIN_NEIGHBOUR_ESTIMATES = 3
-# At most this number of lines through two neighbours may pass near an outlier of a map by chance.
+# By chance, an outlier of a map may lie near this number of lines through two neighbours, but not more.
 # Each point is compared with at least five lines.
 _MAX_LINES_NEAR_OUTLIER = 2
 _MAX_OUTLIER_PASSES = 8
@@ -51,7 +52,7 @@ _NEIGHBOUR_STEPS: dict[int, list[tuple[int, ...]]] = {1: [(1,), (2,), (3,), (4,)
 # Maximum number of points of a strip of rows for which deviations from neighbours are computed together.
 _MAX_STRIP_POINTS = 16_384
 _MAX_WINDOWS_PER_BATCH = 100_000
-# Edge points, or rough points beside flat regions, have a separate median deviation if there are at least this many.
+# Minimum number of points in a group (edge points, or rough points near flat regions) with its own median deviation.
 _MIN_EDGE_POINTS = 20
 
 
@@ -147,7 +148,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
             ]
         deviations = mean_deviations, line_deviations
         ratio = _find_smaller_ratio(deviations, [typical.scan_medians for typical in typical_deviations])
-        # Neighbours are compared only at outliers of the whole scan, because this comparison only removes candidates.
+        # The local comparison can only remove candidates, so it is computed only for candidates of the whole scan.
         can_be_outlier = is_measured & ~is_outlier & np.isfinite(line_deviations)
         candidates = np.nonzero(can_be_outlier & (ratio > _MIN_OUTLIER_RATIO))
         ratio = np.zeros(heights.shape)
@@ -217,7 +218,7 @@ def _find_neighbour_deviations(
     is_known, width = is_measured & np.isfinite(deviations), _WINDOW_WIDTHS[deviations.ndim]
     is_rough = near_rough_region = np.zeros(deviations.shape, np.bool_)
     round_off = _ROUND_OFF_RATIO * float(np.ptp(heights[is_measured])) if is_measured.any() else 0.0
-    # Limit (µm) above which a deviation exceeds one rounding step.
+    # A deviation above this limit (µm) is larger than one rounding step.
     resolution = 1.01 * max(step, round_off)
     if is_known.any() and np.quantile(deviations[is_known], _MAX_FLAT_FRACTION) <= resolution:
         from scipy.ndimage import maximum_filter, median_filter

@@ -277,7 +277,7 @@ class MapPairs:
     image.
     """
 
-    # Map of the upper body after flipping. Its heights are positive upwards, into the body.
+    # Map of the upper body after flipping: heights are positive upwards, which is the direction into the body.
     upper: Surface
     lower: Surface
     # Trend that is subtracted from each piece of a map.

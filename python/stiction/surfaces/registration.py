@@ -26,7 +26,7 @@ GRID_TOLERANCE = 0.02
 MAX_SECOND_CORRELATION_RATIO = 0.7
 # Minimum overlap of two faces along each axis, relative to the length of the shorter face.
 MIN_OVERLAP_FRACTION = 0.5
-# Minimum number of points along each axis at which the slopes of coarsened faces are correlated.
+# Minimum number of points along each axis of coarsened faces whose slopes are correlated.
 # The key is the number of dimensions: 1 for profiles, 2 for maps.
 _MIN_COARSE_POINTS = {1: 64, 2: 16}
 # Maximum number of points along each axis of coarsened faces in the search for the best relative position.

@@ -304,7 +304,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     rounding_error = body.height_step / math.sqrt(12)
     if isinstance(body, Profile):
         typical_distances = np.abs(np.diff(body.heights, 2))
-        # A point beside a large second difference counts as sharp, too, as in a spike of several points.
+        # A spike may have several points, so the neighbours of a large second difference count as sharp, too.
         # At both ends of a profile, the second difference is unknown and set to 0.
         distances = maximum_filter(np.pad(typical_distances, 1), 3)
         threshold, rounding_distance = MIN_SPIKE_SHARPNESS_RATIO, math.sqrt(6) * rounding_error
@@ -341,7 +341,7 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
 
     for (group,) in find_objects(label(outliers)[0]):
         width = group.stop - group.start
-        # A group of outliers at an end of the profile is skipped, because it may be one side of a groove or a ridge.
+        # A group of several outliers at an end of the profile is skipped: it may be one side of a groove or a ridge.
         if width > 1 and (group.start == 0 or group.stop == outliers.size):
             continue
         deviation = max((profile.heights - remaining_heights)[group].tolist(), key=abs)

@@ -262,7 +262,7 @@ def _compute_with_setting_class(
                 f"{_format_length(section_lengths[matching_class])}; {remedy}"
             )
         index = next_class
-    # No setting class is consistent if the results of one class require another class, and vice versa.
+    # If the results of one class require a second class, and vice versa, neither setting class is consistent.
     if matching_class != index:
         index = max(index, max(visited_classes & {index - 1, index, index + 1}))
     elif index - 1 in possible_classes and find_matching_setting_class(index - 1) == index - 1:

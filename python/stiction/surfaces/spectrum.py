@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 # Factor that allows for round-off when two lengths are compared.
 ROUND_OFF_FACTOR = 1 + 1e-9
 _PEAK_BINS_PER_DECADE = 24
-# Number of bins on each side of a peak from which the median spectral density is computed.
+# The median spectral density beside a peak is computed from this number of bins on each side.
 _PEAK_WINDOW_BINS = 6
 
 HANN_VARIANCE_FACTOR = 35 / 18

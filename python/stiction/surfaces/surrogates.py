@@ -97,7 +97,7 @@ def surrogate(
         amplitude = np.abs(np.fft.rfft(heights))
     else:
         # The mirror image of the profile removes the jump between the ends, but adds intermediate harmonics.
-        # The power of an added harmonic is divided equally between the two neighbouring harmonics.
+        # Half of the power of an added harmonic is assigned to each of the two neighbouring harmonics.
         mirrored_power = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
         mirrored_power = np.append(mirrored_power, mirrored_power[-2])
         harmonic_indices = 2 * np.arange(points // 2 + 1)
@@ -254,7 +254,7 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
     rows, columns = power.shape
     random_values = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
     phases, uniform_numbers = random_values[:, :columns], random_values[:, columns:] / (2 * math.pi)
-    # The real part of a complex height has half of its power, which the factor 2 compensates.
+    # The factor 2 compensates that only the real part is used, which has half of the power.
     coefficients = np.sqrt(-2 * power * np.log1p(-uniform_numbers)) * np.exp(1j * phases)
     return np.asarray(ifft2(coefficients, overwrite_x=True).real)
 
@@ -268,7 +268,7 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
     reject_flat_body(profile)
     reject_missing_points(profile, "an isotropic surrogate")
     spectrum = power_spectrum(profile, periodic=periodic)
-    # Each harmonic represents the wave numbers within half a step of its own wave number.
+    # A harmonic represents all wave numbers that differ from its own wave number by up to half a step.
     wave_number, resolution, nyquist_wave_number = spectrum.wave_number, spectrum.resolution, math.pi / profile.spacing
     bins = np.floor(_RINGS_PER_DECADE * np.log10(wave_number / wave_number[0]) + 1e-9)
     first_harmonics = np.flatnonzero(np.diff(bins, prepend=-1))
@@ -280,7 +280,8 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
     measured_density = np.maximum(measured_density, _ROUND_OFF_FRACTION * measured_density.max())
     # Further rings cover the corners of the grid, where both wave numbers reach the Nyquist wave number.
     edges = np.append(edges, math.sqrt(2) * nyquist_wave_number * (1 + 1e-9))
-    # Mean spectral density of a line in each bin, for a surface whose density is 1 in one ring and 0 elsewhere.
+    # Response to a single ring: mean spectral density of a line in each bin, if the density of the surface is 1 in the
+    # ring and 0 elsewhere.
     transverse_wave_number = np.minimum(
         np.sqrt(np.maximum(edges**2 - wave_number[:, np.newaxis] ** 2, 0)), nyquist_wave_number
     )

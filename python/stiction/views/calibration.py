@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 # All A/F (area per load) count as equal if their relative range is at most this number.
 MIN_PRINTED_AREA_PER_LOAD_RANGE = 1e-6
-# Tests narrow an interval if they move one of its limits by at least this fraction of the interval's width.
+# Tests are said to narrow an interval if a limit moves by more than this fraction of the interval's width.
 MIN_NARROWING_FRACTION = 0.05
 MAX_SHOWN_SAMPLES = 800
 

@@ -35,16 +35,16 @@ NUM_SLOPE_WAVELENGTHS = 4
 NEGLIGIBLE_SLOPE_FRACTION = 0.01
 # A peak is reported if its spectral density is at least this multiple of the density at longer wavelengths.
 _MIN_PEAK_DENSITY_RATIO = 3.0
-# A peak is reported only if the spectrum has at least this number of longer wavelengths.
+# A peak is reported only if the spectrum contains at least this number of wavelengths longer than the peak's.
 _MIN_LONGER_WAVELENGTHS = 4
 # Minimum contribution of a reported peak to the fourth spectral moment, as a fraction.
 _MIN_PEAK_MOMENT_FRACTION = 0.1
-# The scatter of a spectrum about its fit is reported if the dispersion is at least this number.
+# The scatter of a spectrum about its fit is reported if its variance is more than this multiple of the expected one.
 _MIN_REPORTED_DISPERSION = 2.0
 
 # Units in printed tables. The key is the unit in JSON.
 _UNIT_SYMBOLS = {"1": "", "um2": " µm²", "1/um": " 1/µm", "1/um2": " 1/µm²", "degrees": "°"}
-# `_json_unit` does not convert the unit of dimensionless parameters.
+# Units in JSON that `_json_unit` does not derive from the printed unit: dimensionless parameters have the unit "1".
 _JSON_UNIT_EXCEPTIONS = {"": "1"}
 
 

@@ -217,7 +217,7 @@ def _merge_quantities(
     import pandas
 
     titles = [str(name) for name in table]
-    # Columns of the quantities, grouped by the names of the columns that identify their rows.
+    # Columns of all quantities. The key contains the names of the columns that identify the rows of these quantities.
     columns_by_keys: dict[tuple[str, ...], list[dict[str, Any]]] = {}
     for name in _csv_quantities(dataset):
         rows = _quantity_columns(dataset, name)
@@ -332,7 +332,7 @@ def value_records(rows: pandas.DataFrame) -> list[dict[str, Any]]:
     estimate_records = []
     for row in rows.to_dict("records"):
         selected_values = {name: row.pop(name) for name in _VALUE_COLUMNS}
-        # A coordinate on which the quantity does not depend is NaN, and is left out.
+        # If a quantity does not depend on a coordinate, the coordinate is NaN and is left out.
         coordinates = {name: value for name, value in row.items() if value == value}
         estimate_records.append(Estimate(**selected_values).to_record(coordinates))
     return estimate_records
@@ -344,7 +344,7 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         "at": point.at,
         # Cutoffs (µm) of all scans of the upper and of the lower body.
         "cutoffs": None if point.cutoffs is None else _build_body_fields(map(list, point.cutoffs)),
-        # False if the interval of a reported point already covers the cutoff of this point.
+        # False for a point at a further cutoff, which the interval of a reported point already covers.
         "reported": not point.covered,
         "status": point.status,
         "rules": [

@@ -40,12 +40,13 @@ MIN_PRINTED_ANGLE_RANGE = 1.0
 MAX_EDGE_LOAD_FRACTION = 0.2
 # A shear test gets a caveat if yielded points carry more than this fraction of the load.
 MAX_YIELDED_LOAD_FRACTION = 0.5
-# A shear test gets a caveat if the initial contact area exceeds this fraction of the overlap area.
+# A shear test whose peak comes before any displacement gets a caveat if more than this fraction of the overlap is in
+# contact.
 MAX_INITIAL_AREA_FRACTION = 0.5
 # Largest peak friction coefficient that Barton and Choubey (1977) recommend for use in design.
 MAX_DESIGN_PEAK_COEFFICIENT = math.tan(math.radians(70))
 # Registered faces get a caveat if their rms gap exceeds both limits.
-# The limits are a multiple of the gap's noise, and a fraction of the rms height change over the interval of Z2.
+# One limit is a multiple of the gap's noise, the other a fraction of (Z2) · (sampling interval).
 MAX_GAP_NOISE_RATIO, MIN_GAP_TO_HEIGHT_CHANGE_RATIO = 3.0, 0.01
 # Faces get a caveat if the initial correlation between the slopes of both faces is below this number.
 MIN_FIT_CORRELATION = 0.5

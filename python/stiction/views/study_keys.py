@@ -256,7 +256,7 @@ def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> lis
         for singular_phrase, plural_phrase in _NUMBER_LIST_TEXTS:
             text = text.replace(singular_phrase, plural_phrase)
         return [f"a list of {text}" if Ellipsis in get_args(annotation) else f"a list of {len(items)} {text}"]
-    # The annotation is an alias of `Annotated`.
+    # This case is an alias of `Annotated`.
     if hasattr(annotation, "__metadata__"):
         return _allowed_value_phrases(annotation.__origin__, annotation.__metadata__)
     # The annotation is a union.

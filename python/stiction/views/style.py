@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INCHES_PER_MILLIMETRE = 1 / 25.4
-# Width (inches) of a figure for one column of a page. No text in the figure is smaller than 6 pt.
+# Width (inches) of a figure that fits into one column of a page. The smallest text in the figure has 6 pt.
 COLUMN_WIDTH = 80 * INCHES_PER_MILLIMETRE
 PAGE_WIDTH = 170 * INCHES_PER_MILLIMETRE
 # Length (µm) above which an axis is labelled in mm.

@@ -14,7 +14,7 @@ from stiction.surfaces.measured.raw import FormatError
 MAX_LINES, MAX_CELLS_PER_LINE = 25_000_000, 4_000_000
 """Largest number of lines in a text file, and largest number of cells in a line."""
 
-# The header of a known file layout is searched for in this number of lines, and of characters per line.
+# The header of a known file layout is searched for in the first lines, and in the first characters of these lines.
 MAX_FIRST_LINES, MAX_FIRST_LINE_LENGTH = 200, 1000
 # Number of characters per step when the lines of a text are classified.
 PIECE_LENGTH = 250_000

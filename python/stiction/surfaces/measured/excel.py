@@ -137,7 +137,7 @@ def _check_archive(data: bytes) -> bool:
 
 def _read_rows(sheet: Any) -> list[tuple[Any, ...]]:
     """Return the rows of a sheet up to the last row that is not empty."""
-    # The sheet dimensions that a file declares may be wrong.
+    # The dimensions of a sheet, as declared in the file, may be wrong.
     sheet.reset_dimensions()
     rows = [tuple(row) for row in sheet.iter_rows(values_only=True)]
     while rows and all(cell is None for cell in rows[-1]):

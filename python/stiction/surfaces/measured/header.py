@@ -310,7 +310,7 @@ class ColumnHeadings:
 
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
-    # Unit of the heights, if a header line mentions heights and no other quantity.
+    # Unit of the heights in a header line that mentions heights and no other quantity.
     height_unit: str | None = None
 
 
@@ -725,7 +725,7 @@ def unit_in_column_name(cell: str) -> str | None:
     # A slash separates name and unit, as in "z_nm/nm".
     if "/" in (word := _split_name(last_part)[-1]) and NON_LENGTH_UNIT_PATTERN.fullmatch(word):
         return word
-    # A reciprocal unit may follow a name, as 1/um follows k in "k/1/um".
+    # A reciprocal unit may follow a name: in "k/1/um", the name is k and the unit 1/um.
     if not bracketed_texts and (match := re.search(r"(?:^|[\s_/])(1/[^\W\d_]+)$", last_part)):
         return match[1]
     unit = parse_length_unit(
@@ -741,7 +741,7 @@ def unit_in_column_name(cell: str) -> str | None:
     elif not bracketed_texts:
         return None
     known_units = {unit for word in re.split(r"[\s,;]+", last_part) if (unit := parse_length_unit(word)) is not None}
-    # A unit may have a remark, as in "µm RMS" or "nm, filtered".
+    # A unit may be followed by a remark, as in "µm RMS" or "nm, filtered".
     if len(known_units) == 1 and not re.search(r"[0-9/*^×]|\b(?:of|per|pro)\b", last_part):
         return known_units.pop()
     return None if not known_units and _REMARK_PATTERN.fullmatch(last_part) else last_part

@@ -68,7 +68,7 @@ class ReadOptions:
     words: tuple[str, ...] = ()
     # Names of the file caveats that the caller accepts.
     accept: tuple[str, ...] = ()
-    # True if the caller gives one unit, for the heights and for positions that have no unit in the file.
+    # True if the caller gives a single unit, for the heights and for positions without a unit in the file.
     one_unit: bool = False
 
 
@@ -613,7 +613,8 @@ def _find_worst_position_deviation(
     """
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
-    # Rounding of both end positions changes their distance by up to one unit of the last digit, truncation by less.
+    # Rounding the first and the last position changes the distance between them by up to one unit of the last digit.
+    # Truncation causes a smaller change.
     tolerance = np.maximum(last_digit_values, np.linspace(last_digit_values[0], last_digit_values[-1], x.size)) * (
         1 + 1e-6
     )

@@ -31,11 +31,13 @@ MAX_STATISTIC_DEVIATION = 2e-3
 MAX_WRAPPED_COLUMNS = 32
 # Minimum number of text lines of a profile that is written in several lines.
 MIN_WRAPPED_LINES = 3
-# A matrix gets a caveat unless it is more than 100 times as likely as a profile written in several text lines.
+# A matrix gets a caveat if its heights may be a profile that continues from line to line.
+# The caveat is left out if a map is more than this many times as likely.
 MAX_LIKELIHOOD_RATIO = 100.0
 # The search for a wrapped profile ignores heights beyond this number of median deviations from the median height.
 MAX_DEVIATION_IN_LINES = 8.0
-# In a wrapped profile, neighbours in a column differ more than neighbours in a line, by this mean square ratio.
+# In a wrapped profile, neighbours in a column differ more than neighbours in a line.
+# The mean square difference is larger by at least this factor.
 MIN_COLUMN_TO_LINE_DIFFERENCE_RATIO = 2.0
 
 _SUMMARY_STATISTICS: tuple[tuple[str, Callable[..., Any]], ...] = (
@@ -112,7 +114,7 @@ def find_grid_columns(values: Floats) -> tuple[int, int] | None:
     rows, count = values.shape
     if count < 3 or rows < MIN_GRID_POINTS:
         return None
-    # For each column: number of different positions, and index of the position in each row.
+    # Number of distinct positions in each column, and the index of each row's position among the distinct positions.
     positions: dict[int, tuple[int, Any]] = {}
     for column in range(min(count, MAX_POINT_COLUMNS) if count <= MAX_POINT_COLUMNS else 2):
         if np.isfinite(values[:, column]).all():
@@ -209,7 +211,7 @@ def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
         return ()
     difference_ratio = difference_across / difference_along
     num_wraps = np.count_nonzero(np.isfinite(steps_at_wrap))
-    # The log-likelihood ratio of map to profile assumes normally distributed differences of neighbouring heights.
+    # Log-likelihood ratio of map to wrapped profile, if differences of neighbouring heights are normally distributed.
     log_likelihood_ratio = (
         num_wraps / 2 * (difference_at_wrap / difference_along * (1 - 1 / difference_ratio) - np.log(difference_ratio))
     )

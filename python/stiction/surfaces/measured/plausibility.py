@@ -18,16 +18,17 @@ from stiction.surfaces.measured.raw import FileCaveat
 
 # Minimum number of occurrences of an extreme height that may be an uncommon code for missing points.
 MIN_MISSING_CODE_REPEATS = 2
-# Minimum distance of a code for missing points from the other heights, as a multiple of the range of these heights.
+# Minimum distance of a code for missing points from all other heights, divided by the range of the other heights.
 MIN_MISSING_CODE_DISTANCE = 2.0
 # Minimum distance of a code for missing points from the other heights, as a fraction of the range of these heights.
-# The first number applies to a repeated code, and the second number to a common code such as 9999.
+# The minimum is `MIN_REPEATED_CODE_DISTANCE` for a repeated code, and `MIN_KNOWN_CODE_DISTANCE` for a common code
+# such as 9999.
 MIN_REPEATED_CODE_DISTANCE, MIN_KNOWN_CODE_DISTANCE = 0.5, 0.25
 KNOWN_MISSING_CODES = frozenset(
     [sign * number for sign in (1, -1) for number in (999, 9999, 99999, 999999)]
     + [-(2**15), 2**15 - 1, 2**16 - 1, -(2**31), 2**31 - 1, 2**32 - 1]
 )
-# Codes for missing points are searched for only if a scan has at least this number of different heights.
+# A scan is searched for codes of missing points only if it has at least this number of different heights.
 MIN_DISTINCT_HEIGHTS = 5
 # Maximum number of different codes for missing points below, and above, all measured heights.
 MAX_MISSING_CODES = 4
@@ -44,7 +45,8 @@ NUM_NEIGHBOURS = 12
 MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
 # Smallest and largest fraction of points with the same height for a caveat about an unusually frequent height.
 MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4
-# Let m be the largest mean frequency of the NUM_NEAREST_HEIGHTS heights on each side of 0.
+# The mean frequency of the nearest heights is computed for 1, 3 and 12 heights on each side of 0. Let m be the largest
+# of the three means.
 # Zeros are unusually frequent if their number is at least 2 m + MIN_ZERO_DEVIATIONS · sqrt(2 m) + MIN_ZEROS.
 MIN_ZERO_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
 # Repeated rows cause a caveat up to this fraction of the rows.
@@ -71,7 +73,7 @@ class ScannedHeights:
     spacing: tuple[float, ...]
     # Conversion factor from the numbers in the file to µm.
     factor: float = 1.0
-    # False for heights that were passed as an array. They may have been computed, so some checks do not apply.
+    # False for heights that were passed as an array. Such heights may be computed, so some checks do not apply.
     from_file: bool = True
     # Range (µm) of the heights in the header of the file.
     declared_range: float | None = None
@@ -160,7 +162,8 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
     if near_sample.size > MIN_DISTINCT_HEIGHTS and not has_gap:
         return []
     is_far = (heights < median - max_near_deviation) | (heights > median + max_near_deviation)
-    # A subset of the heights suffices to exclude codes, because gaps next to codes are at least as wide in the subset.
+    # If the largest gap between the sorted heights of a subset is small, so is the largest gap between all heights.
+    # A small gap excludes codes for missing points.
     gaps = np.diff(np.sort(np.concatenate([heights[is_far], [near_sample.min(), near_sample.max()]])))
     if not is_far.any() or (near_sample.size > MIN_DISTINCT_HEIGHTS and not (gaps > max_gap).any()):
         return []
@@ -180,7 +183,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
         ),
         key=sum,
     )[1:]
-    # An entry of `candidates` contains a possible code, its distance from other heights, and the range of the others.
+    # Each entry contains a possible code, its distance from the other heights, and the range of the other heights.
     candidates = []
     for num_low_codes, num_high_codes in code_counts:
         remaining_values = ordered_heights[num_low_codes : ordered_heights.size - num_high_codes]

@@ -178,7 +178,7 @@ class RawHeights:
     digits: PlaceValueFunction | None = None
     # Unit of the positions or, without positions, of the spacing.
     position_unit: str | None = None
-    # Spacing (Δx,) or (Δy, Δx) of heights without positions.
+    # Spacing (Δx,) or (Δy, Δx) of the heights, if the file has no positions.
     spacing: tuple[float, ...] | None = None
     declared_spacing: DeclaredLength | None = None
     # Spacing of the rows and of the columns that the file declares.
@@ -204,7 +204,7 @@ class RawHeights:
 class WordColumn:
     """Column of words next to columns of numbers, for example a column of flags such as "OK" and "NG"."""
 
-    # Index of the column of words among all columns of the table.
+    # Index of this column among all columns of the table.
     place: int
     # Most frequent words in the column, with their counts.
     words: str
@@ -222,7 +222,7 @@ class ColumnTable:
     One or two columns form a profile; all columns together may form a map.
     """
 
-    # Numbers of the table with the shape (rows, columns), and NaN at missing numbers.
+    # Numbers of the table, with the shape (rows, columns). Missing numbers are NaN.
     values: Floats
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
@@ -236,9 +236,9 @@ class ColumnTable:
     # True for an array of heights, as in NumPy files and maps of instruments.
     is_array: bool = False
     source: HeightProvenance = HeightProvenance()
-    # Column numbers in the file for each column of the table, if the file has more columns.
+    # Number of each table column in the file, if the file has more columns than the table.
     places: tuple[int, ...] | None = None
-    # Number of rows and first line (from 1) of each block of rows, if empty lines divide a text into blocks.
+    # Number of rows and first line (counted from 1) of each block, if empty lines divide the text into blocks of rows.
     block_lengths: tuple[int, ...] = ()
     block_lines: tuple[int, ...] = ()
     caveats: tuple[FileCaveat, ...] = ()
@@ -277,7 +277,7 @@ class HeaderDeclarations:
     codes: tuple[float, ...] = ()
     # Integers in a header that are codes for missing points or counts of missing points.
     counts: tuple[float, ...] = ()
-    # Header line with a factor or a height range that is not applied.
+    # Header line that contains a factor or a height range. Neither is applied to the heights.
     unapplied_factor_line: str = ""
     points: int | None = None
     tip_radius: DeclaredLength | None = None

@@ -52,16 +52,17 @@ MAX_TABLE_GRID_POINTS = 100_000_000
 MAX_LISTED_NAMES = 12
 # A caller can choose at most three columns: x, y and z.
 MAX_SELECTED_PROFILE_COLUMNS = 3
-# Numbers with slightly unequal steps are regarded as measured positions if there are at least this many.
+# Minimum count of numbers with slightly unequal steps that are regarded as measured positions.
 MIN_JITTERED_POSITIONS = 8
 # Steps of measured positions may differ by at most this fraction of the mean step.
 MAX_JITTER = 0.5
 # A surface counts as tilted if heights and point index have at least this correlation in every line.
 MIN_TILT_CORRELATION = 0.98
-# A first number with fewer decimals gets a caveat if the next numbers, at least this many, have equally many decimals.
+# Minimum count of heights below the first number of a column.
+# The first number gets a caveat if it has fewer decimals than all these heights.
 MIN_COMPARED_NUMBERS = 20
 # Minimum step of a column of positions, in units of the last printed digit.
-# If the step is below three units, coarsely rounded heights may have equal steps by chance.
+# With steps of fewer than three units, coarsely rounded heights could have equal steps by chance.
 MIN_STEP_DIGITS = 3.0
 NameOrIndex = str | int
 
@@ -776,7 +777,7 @@ def _is_xyz_table(table: ColumnTable) -> bool:
         return False
     count = x.size
     distinct_counts = [np.unique(coordinates).size for coordinates in (x, y)]
-    # In a list of grid points, x and y repeat. In columns of positions and heights, no position repeats.
+    # In a list of grid points, x and y occur repeatedly. In columns of positions and heights, positions are unique.
     return (max(distinct_counts) < count and min(distinct_counts) > 1) or (
         bool(table.names) and max(distinct_counts) == count and min(distinct_counts) > 1
     )

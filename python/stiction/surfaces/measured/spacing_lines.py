@@ -310,7 +310,7 @@ def parse_length(digits: str, unit: str | None, *, line: str) -> DeclaredLength 
     try:
         length = parse_number(digits, f"in its header line {line[:80]!r}")
     except FormatError:
-        # An invalid length is reported only when it is used, because headers often contain unused lengths.
+        # An invalid length causes an error only when it is used, because headers often contain unused lengths.
         return DeclaredLength(math.nan, 0.0, str(parse_length_unit(unit)), line)
     mantissa, _, exponent = digits.replace(",", ".").lower().partition("e")
     digit = float(f"1e{int(exponent or 0) - len(mantissa.partition('.')[2])}")

@@ -20,7 +20,8 @@ from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FormatError
 WAVE_NUMBER_COLUMN, DENSITY_COLUMN, WAVE_COUNT_COLUMN = "wave number (1/um)", "C2D (um4)", "waves"
 """Column names of a spectrum file. Tables from other programs need not have the last column."""
 
-# Prefixes of two columns that a spectrum file has for each scan: fraction of wave vectors, and ratio of densities.
+# A spectrum file has two columns for each scan: fraction of wave vectors, and ratio of densities.
+# The names of the columns begin with these prefixes.
 WAVE_VECTOR_FRACTION_COLUMN_PREFIX, DENSITY_RATIO_COLUMN_PREFIX = "fraction of ", "power over the joined of "
 _SCAN_LINE_PATTERN = re.compile(
     r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)"
@@ -28,7 +29,7 @@ _SCAN_LINE_PATTERN = re.compile(
 _HASH_LINE_PATTERN = re.compile(r"^#.*\n?", re.MULTILINE)
 # Number of bytes at the start of a spectrum file that must contain the column names.
 _NUM_HEADER_BYTES = 100_000
-# Largest relative variation of the ratio of successive wave numbers in a spectrum file due to rounding.
+# Rounding of the wave numbers in a spectrum file may change the ratio of successive wave numbers by this fraction.
 _RATIO_TOLERANCE = 1e-3
 
 

@@ -32,7 +32,7 @@ _MAX_SAMPLE_LINES = 60
 _MAX_SAMPLE_CHARACTERS = 10_000
 # Lines are truncated before the separator is detected, but never to fewer characters than this number.
 _MIN_SAMPLED_LINE_LENGTH = 200
-# Maximum number of rows of a column from which the last printed digit is determined.
+# The last printed digit of a column is determined from at most this number of rows.
 MAX_SAMPLED_ROWS = 20_000
 MAX_CELLS_IN_COUNT_LINE = 2
 # Cell separator in a text whose quotation marks were removed.

@@ -42,12 +42,12 @@ MAX_HISTORY_ENTRY_CHARACTERS = 1000
 MAX_HISTORY_STEPS = 1000
 
 
-# A few number lines above or below a table are ignored.
+# A few lines of numbers above or below a table are ignored, because they do not belong to the table.
 # The maximum count of ignored lines is this fraction of the number of table lines, plus 2.
 MAX_FOOTER_FRACTION = 0.1
 
 
-# A truncated last number is reported if at least this many numbers above it have equally many decimals.
+# A last number that is cut off is reported if at least this many numbers above it have equally many decimals.
 MIN_ROWS_ABOVE_CUT_NUMBER = 50
 
 
@@ -70,7 +70,7 @@ def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
     first, last = max(runs, key=lambda run: int(text.line_starts[run[1] + 1] - text.line_starts[run[0]]))
     dialect = detect_dialect(text, first, last)
     label_line = _include_label_line(text, first, last, dialect)
-    # The first word of the label line counts as a missing number, so that the line is read as a row.
+    # The first word of the label line is treated as a missing number, so that the line counts as a row of the table.
     if label_line < first:
         first, text = label_line, replace(text, words=(*text.words, dialect.split_line(text.line(label_line))[0]))
     _reject_unreadable_line(text, dialect, len(dialect.split_line(text.line(last))), runs)
