@@ -205,16 +205,28 @@ class InputSampler:
     ) -> _InputSamples:
         from scipy.special import ndtri
 
-        points = generate_stratified_points(len(names) + 1)
-        probabilities: dict[str, Floats] = dict(zip(names, points.T, strict=False))
-        probabilities |= {name: np.array([quantile]) for name, quantile in fixed.items() if name in probabilities}
-        input_values = {name: uncertain_input.quantile(probabilities[name]) for name, uncertain_input in inputs.items()}
-        return _InputSamples(
-            probabilities,
-            {name: ndtri(probabilities[name]) for name in names if name in SAMPLING_INPUT_NAMES},
-            input_values,
-            self._inputs.relative_modulus(input_values),
-            None if self._creep is None else self._creep.quantile(points[:, -1]),
+        if fixed:
+            # Only the fixed inputs and errors differ from the samples without fixed inputs.
+            samples = self.draw_samples(inputs, names, _NO_FIXED_INPUTS)
+            probabilities = {name: np.array([quantile]) for name, quantile in fixed.items() if name in names}
+        else:
+            points = generate_stratified_points(len(names) + 1)
+            samples = _InputSamples(
+                {}, {}, {}, 1.0, None if self._creep is None else self._creep.quantile(points[:, -1])
+            )
+            probabilities = dict(zip(names, points.T, strict=False))
+        input_values = samples.values | {
+            name: uncertain_input.quantile(probabilities[name])
+            for name, uncertain_input in inputs.items()
+            if name in probabilities
+        }
+        return replace(
+            samples,
+            probabilities=samples.probabilities | probabilities,
+            scores=samples.scores
+            | {name: ndtri(values) for name, values in probabilities.items() if name in SAMPLING_INPUT_NAMES},
+            values=input_values,
+            modulus=self._inputs.relative_modulus(input_values),
         )
 
 

@@ -289,7 +289,8 @@ def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, shear_ratio: Any) -> F
     with np.errstate(invalid="ignore"):
         x = np.fmax(2 * margin / (linear_coefficient + np.sqrt(linear_coefficient**2 + 8 * margin)), 0.0)
         x = np.minimum(x, np.sqrt(0.5))
-        for _ in range(NUM_PRESSURE_STEPS):
+        # If all interfaces are stronger than the softer body, x is 0 and stays 0.
+        for _ in range(NUM_PRESSURE_STEPS if x.any() else 0):
             cosine = np.sqrt(1 - x**2)
             residual = margin - 2 * x**2 - slope * (2 * np.arcsin(x) + 2 * x * cosine)
             x = np.minimum(np.fmax(x + residual / (4 * (x + slope * cosine)), 0.0), np.sqrt(0.5))
