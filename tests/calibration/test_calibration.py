@@ -32,7 +32,7 @@ from stiction.study.interfaces import (
     compute_coverage_at_bound,
     compute_credible_interval,
 )
-from stiction.views.calibration import calibration_json, calibration_text
+from stiction.views.calibration import WantedPairPrediction, calibration_json, calibration_text, predict_wanted_pair
 from support.rough_surfaces import rough_maps
 
 pytestmark = pytest.mark.usefixtures("no_companion_files")
@@ -241,6 +241,8 @@ def test_two_ranges_of_one_hardness_give_the_interval_of_the_narrower_range(tmp_
     # A fit with the narrower range gives the same interval.
     expected = np.array(narrow_law.predict(targets["1 GPa ± 2 %"], "20 MPa"))
     assert intervals["1 GPa ± 2 %"] == pytest.approx(expected, abs=0.05 * np.ptp(expected[1:]))
+    (caveat,) = predict_wanted_pair(law, targets["1 GPa ± 2 %"]).caveats
+    assert caveat.startswith("! the hardness is 1 GPa ± 2 %, but 1 GPa ± 10 % in the tests of the interface")
     # The pair with this interface gives the same interval, and a caveat with both ranges.
     write_interface(law, tmp_path / "film")
     options = {name: value for name, value in PAIR_OPTIONS.items() if name not in ("mu0", "tau0")}
@@ -255,6 +257,18 @@ def test_two_ranges_of_one_hardness_give_the_interval_of_the_narrower_range(tmp_
             assert f"the hardness is {text}, but 1 GPa ± 10 % in the tests" in caveats[0].text
             assert ("one quantity" in caveats[0].text) == (text != "1.01 GPa ± 2 %")
             assert result.assessment != "Quote it"
+
+
+def test_calibration_text_explains_an_infinite_upper_limit_and_repeats_caveats_about_ranges() -> None:
+    interface = calibrate(simulate_ball_tests(), common=0.0)
+    points = ("1 mN (20 MPa)", (0.3, 0.2, 0.4)), ("2 mN (40 MPa)", (0.3, 0.2, math.inf))
+    prediction = WantedPairPrediction(points, (), ("! E* is 3 GPa, but 2 to 4 GPa in the tests",))
+    texts = [
+        " ".join(calibration_text(interface, (), each).split())
+        for each in (prediction, replace(prediction, points=points[:1]))
+    ]
+    assert [("An upper limit of ∞ means that" in text) for text in texts] == [True, False]
+    assert all("! E* is 3 GPa, but 2 to 4 GPa in the tests" in text for text in texts)
 
 
 def test_narrower_modulus_of_a_ball_applies_to_its_tests_as_in_a_fit_with_this_range() -> None:

@@ -113,9 +113,14 @@ def test_calibrate_command_ranks_proposed_tests_by_the_interval_they_leave_for_t
     arguments = ["--pair", "ground", "--load", "80 MPa", "--measured", "0.25±0.01", "--target", "lapped"]
     text = check_stiction("calibrate", *arguments, cwd=two_finishes_directory).stdout
     assert "± μ0" not in text
+    words = " ".join(text.split())
+    assert "The fit assumes a further error of 2 % that all tests share (--common)." in words
+    assert "Each of these tests has an error of 4 %, the median of your tests." in words
     record = json.loads(check_stiction("calibrate", *arguments, "--json", cwd=two_finishes_directory).stdout)
     # The loads of the result that is wanted are 40 and 160 MPa.
     assert [entry["text"].split("(")[1] for entry in record["predicted"]] == ["40 MPa)", "160 MPa)"]
+    assert record["common"] == 0.02
+    assert f"further tests, by the interval at {record['predicted'][0]['text']} " in words
     plans = record["further_tests"]
     widths = [entry["coefficient"]["upper"] - entry["coefficient"]["lower"] for entry in plans]
     present = record["predicted"][0]["coefficient"]

@@ -476,6 +476,12 @@ def test_shear_test_with_an_interface_calibrated_for_opposing_contacts_has_a_cav
     ) == (rule == "opposing")
 
 
+def test_shear_test_repeats_the_caveats_of_its_interface():
+    film = interface("MoS2 on bearing steel, dry air").with_caveats("do not quote", ["its tests contradict it"])
+    test = shear_test(*create_faces(), path="0.5 mm", steps=1, interface=film, **LOAD_AND_ELASTICITY)
+    assert any(text.startswith("Interface joint samples: its tests contradict it; ") for text in list_caveats(test))
+
+
 @pytest.mark.parametrize(
     ("waviness", "noise", "caveat"),
     [
