@@ -11,6 +11,7 @@ from stiction import (
     Result,
     interface,
     read_interface,
+    run,
     self_affine_surface,
     write_interface,
     write_profile,
@@ -20,6 +21,7 @@ from stiction._number_format import format_with_unit
 from stiction.calibration.tests_file import parse_friction_tests
 from stiction.solve.store import open_stored_result
 from support.command import assert_rejected, call_stiction, check_stiction
+from support.generated_studies import TINY_STUDY
 
 TRUE_MU0, TRUE_TAU0 = 0.15, 0.012
 BALL_OPTIONS = ("--ball", "5 mm", "--effective-modulus", "3 GPa")
@@ -132,7 +134,7 @@ def test_calibrate_command_ranks_proposed_tests_by_the_interval_they_leave_for_t
 
 
 def test_calibrate_command_rejects_a_target_that_is_no_measured_pair(tmp_path):
-    check_stiction("run", "quick", "--set", "ensemble.repetitions=2", "-o", "generated", cwd=tmp_path)
+    run(TINY_STUDY, store=tmp_path / "generated")
     arguments = ["--load", "20 mN", "--measured", "0.3±0.01", "--target", "generated"]
     completed = call_stiction("calibrate", *BALL_OPTIONS, *arguments, cwd=tmp_path)
     assert_rejected(completed, "--target must be the result of a measured pair with a load, got generated")

@@ -617,7 +617,7 @@ HONED_STEEL_OPTIONS = [
     "--mechanics",
     "half-space",
     "--offsets",
-    16,
+    8,
 ]
 RUBBER_ON_GLASS_OPTIONS = [
     "--upper",
@@ -646,7 +646,7 @@ RUBBER_ON_GLASS_OPTIONS = [
             "--mechanics",
             "half-space",
             "--offsets",
-            16,
+            6,
         ],
         pytest.param(
             [

@@ -29,12 +29,22 @@ def profiles_dataset(tmp_path_factory):
     return run_pair_of_profiles(tmp_path_factory.mktemp("lines"))
 
 
+def _omit_report_panels(patch):
+    patch.setattr("stiction.views.report.pictures.draw_panels", lambda _: {True: "", False: ""})
+
+
 @pytest.fixture(scope="module")
 def no_report_panels():
     """Omit the figures of reports, for faster tests of their numbers and texts."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stiction.views.report.pictures.draw_panels", lambda _: {True: "", False: ""})
+        _omit_report_panels(patch)
         yield
+
+
+@pytest.fixture
+def omit_report_panels(monkeypatch):
+    """Omit the figures of reports during a test, for faster tests of their numbers and texts."""
+    _omit_report_panels(monkeypatch)
 
 
 @pytest.fixture(scope="module")
