@@ -73,7 +73,8 @@ void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks
 
 /// Return the position of the local minimum of the spline of the gap in an interval [0, spacing) [µm], if there is one.
 /// The inputs are the slopes [-] and curvatures [1/µm] of the gap at both ends of the interval.
-/// The slope of the gap is quadratic in the interval. The minimum is the root of the slope at which the gap is convex.
+/// Within the interval, the slope of the gap is a quadratic function of the position.
+/// The minimum is the root of the slope at which the gap is convex.
 /// A minimum at a grid point belongs to the interval on its right. The first point of a profile is never a minimum.
 std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
                                   double spacing, bool at_first_point = false);

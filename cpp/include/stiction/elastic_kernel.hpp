@@ -49,7 +49,7 @@ class Workspace {
 /// On a periodic grid, each Fourier component is multiplied by 2/(E*|k|), and by 0 for k = 0.
 /// On a free grid, the displacements of uniformly loaded cells are superposed on a grid of twice the size.
 /// Sources: Love 1929; Johnson, Contact Mechanics (1985), eq. 3.25.
-/// On lines, the displacement depends logarithmically on the distance from the load.
+/// On profiles (plane strain), the displacement depends on the logarithm of the distance from the load.
 /// The approximate inverse E*|k|/2 of the kernel is periodic even on a free grid, so it is transformed without padding.
 /// A preconditioner may be periodic, because it affects the number of iterations but not the solution.
 class ElasticKernel {

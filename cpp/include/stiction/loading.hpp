@@ -17,7 +17,7 @@ using BatchFunction = std::function<std::vector<double>(Values)>;
 
 /// Find, for each level, the argument at which a function first reaches this level from below.
 /// The function must be below the level at the argument `left`, and at or above the level at `right`.
-/// The tolerance of the search is relative to the argument.
+/// `tolerance` is the relative error of the returned arguments.
 /// If the function jumps over the level, the result is the argument just after the jump.
 /// The search combines inverse quadratic interpolation and bisection.
 /// Source: Chandrupatla, Advances in Engineering Software 28 (1997) 145.
