@@ -78,7 +78,7 @@ def test_study_entry_contains_both_the_central_value_and_the_range_of_an_input(s
     ({"contact.yield_exponent": "0.2..1.2"}, "contact.yield_exponent", "must be from 0.5 to 10, also at the limits"),
     ({"contact.yield_exponent": True}, "contact.yield_exponent", "must be a number, or a string with a range or an un"),
     ({"contact.junction_growth": 0, "contact.work_of_adhesion": "50 mJ/m^2"}, "contact.yield_exponent",
-     "must not be given if work_of_adhesion is above 0, because areas of adhesive contacts are computed with p"),
+     "must not be given if work_of_adhesion is above 0, because the area of adhesive contacts is computed by ca"),
 ])  # fmt: skip
 def test_study_rejects_entries_that_are_impossible_or_contradict_each_other(changes, study_key, reason):
     with pytest.raises(StudyError, match=reason) as error_info:

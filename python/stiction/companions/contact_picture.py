@@ -286,7 +286,8 @@ def build_contact_table(
                 frames.append(pandas.DataFrame({"member": index} | columns))
     if not frames:
         raise ValueError(
-            "the members have no contacts at these loads, or the solver failed; give other loads or members"
+            "there are no contacts at these loads: the chosen members do not touch, or could not be solved; "
+            "choose other loads or members"
         )
     return pandas.concat(frames, ignore_index=True)
 

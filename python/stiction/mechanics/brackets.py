@@ -104,9 +104,9 @@ def elastic_area_fraction(gradients: Floats, area_of_slope: Floats, spread: Floa
 
 
 def interface_area_ratio(gradient: Floats) -> Floats:
-    """Return the ratio of interface area to projected area for two equally rough surfaces.
+    """Return the ratio of developed to projected interface area for two equally rough surfaces.
 
-    The ratio is 1 + h'²/8 with the rms gradient h' of the gap.
+    The ratio is 1 + h'²/8. Here h' is the rms gradient of the gap, and the interface has half of this gradient.
     """
     return np.asarray(1 + np.square(gradient) / 8)
 

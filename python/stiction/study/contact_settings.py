@@ -424,8 +424,8 @@ class HalfSpaceSettings(CommonContactSettings):
                 "yield_exponent",
                 "must not be given without a hardness, because contacts yield only with a hardness"
                 if self.hardness is None
-                else "must not be given if work_of_adhesion is above 0, because areas of adhesive contacts are "
-                "computed with pressures up to the hardness",
+                else "must not be given if work_of_adhesion is above 0, because the area of adhesive contacts is "
+                "computed by capping pressures at the hardness, without an exponent",
             )
         if self.indent is not None and self.yield_exponent is None:
             raise make_key_error(

@@ -245,13 +245,13 @@ def presses_profiles_as_lines(pair: PairProperties) -> bool:
 
 @make_condition("generates surfaces from a spectrum and needs scans without masked points")
 def has_complete_scans_for_surrogates(pair: PairProperties) -> bool:
-    """Return True unless surrogates would be generated from scans with masked points."""
+    """Return False if surrogates are requested and a scan has masked points, and True otherwise."""
     return not (pair.has_masked_points and pair.has_surrogates)
 
 
 @make_condition("uses the asperity model and needs scans without masked points")
 def has_complete_scans_for_asperities(pair: PairProperties) -> bool:
-    """Return True unless the asperity model would press scans with masked points."""
+    """Return False if the asperity model is requested and a scan has masked points, and True otherwise."""
     return not pair.has_masked_points or "asperities" not in pair.contact_models
 
 

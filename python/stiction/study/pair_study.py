@@ -784,8 +784,8 @@ class MeasuredPair:
             if self._hardness is None:
                 raise ArgumentError("{yield_exponent} needs {hardness}, because contacts yield only with a hardness")
             raise ArgumentError(
-                "{yield_exponent} must not be combined with {work_of_adhesion}, because areas of adhesive contacts are "
-                "computed with pressures up to the hardness"
+                "{yield_exponent} must not be combined with {work_of_adhesion}, because the area of adhesive contacts "
+                "is computed by capping pressures at the hardness, without an exponent"
             )
         return self._parse_input("yield_exponent", value)
 
@@ -798,8 +798,8 @@ class MeasuredPair:
             if self._hardness is None:
                 raise ArgumentError("{indent} needs {hardness}, because contacts yield only with a hardness")
             raise ArgumentError(
-                "{indent} must not be combined with {work_of_adhesion}, because areas of adhesive contacts "
-                "are computed with the measured hardness"
+                "{indent} must not be combined with {work_of_adhesion}, because adhesive contacts are computed with "
+                "the measured hardness, without a size effect"
             )
         softer_material = softest_material(*self._materials)
         if softer_material is not None and softer_material.kind != "metal":

@@ -55,9 +55,9 @@ _MIN_ALIASED_SURFACE_EXPONENT = 0.6
 _MIN_TEXTURED_SURFACE_EXPONENT = 0.8
 # Heights are regarded as quantised if rounding explains at least this fraction of the mean square second difference.
 _MIN_QUANTISATION_FRACTION = 0.3
-# Maximum exponent of a flat spectrum, and maximum rms deviation of the ln(density) of a flat spectrum from its mean.
+# Maximum absolute spectral exponent of a flat spectrum, and maximum rms deviation of ln(density) from its mean.
 _MAX_FLAT_EXPONENT = 0.35
-# Maximum exponent of a noise floor at wavelengths at which the surface also contributes to the spectrum.
+# Maximum absolute spectral exponent of a noise floor to which the surface also contributes.
 _MAX_FLOOR_EXPONENT = 0.7
 # Wavelengths below this fraction of the noise limit contain only noise.
 _PURE_NOISE_WAVELENGTH_FRACTION = 0.7

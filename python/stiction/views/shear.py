@@ -319,7 +319,7 @@ def headline_lines(test: xarray.Dataset) -> list[str]:
 
 
 def _find_shear_strength(test: xarray.Dataset) -> int:
-    """Return the index of the displacement at which the shear stress reaches its maximum, the shear strength.
+    """Return the displacement index of the largest shear stress, which is the shear strength.
 
     At a variable normal stress, the friction coefficient may be largest at another displacement.
     """

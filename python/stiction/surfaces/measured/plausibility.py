@@ -75,7 +75,7 @@ class ScannedHeights:
     factor: float = 1.0
     # False for heights that were passed as an array. Such heights may be computed, so some checks do not apply.
     from_file: bool = True
-    # Range (µm) of the heights in the header of the file.
+    # Height range (µm) that the header of the file states.
     declared_range: float | None = None
     # True for heights read from text, where whole numbers may be counts of an analogue-to-digital converter.
     from_text: bool = True
