@@ -139,7 +139,7 @@ std::vector<Tile> make_tiles(Index rows, Index columns) {
 }
 
 // Return sqrt(a² + b²) without intermediate overflow.
-// std::hypot is not used, because it requires a newer C library than any function that is used.
+// std::hypot is not used, because std::hypot alone would require a newer C library.
 double length(double a, double b) {
   const double longer = std::max(std::abs(a), std::abs(b));
   const double ratio = std::min(std::abs(a), std::abs(b)) / longer;

@@ -17,7 +17,7 @@ std::mutex& unguarded_planner_mutex() {
   return mutex;
 }
 
-// Several threads may execute FFTW plans at the same time, but only one thread may create a plan.
+// Several threads may execute FFTW plans at the same time, but only one thread at a time may create a plan.
 std::mutex& planner_mutex() {
 #if defined(__unix__) || defined(__APPLE__)
   // A child process may be forked while another thread creates a plan.

@@ -340,7 +340,7 @@ struct ArealHarmonic {
   Rotations along_x;
 };
 
-// Wavenumbers of the directions m and M - m, in turns per point. Only their signs along x differ.
+// Wavenumbers of the directions m and M - m, in turns per point. Only the signs along x differ.
 struct Wavenumbers {
   long double y;
   long double x;

@@ -43,7 +43,7 @@ class DisjointSets {
   std::vector<std::int32_t> first_;
 };
 
-// Check a contact on a grid with `num_grid_points` points, and return its number of patches.
+// Check a contact on a grid with `num_grid_points` points, and return the number of contact patches.
 std::size_t count_patches(const ContactView& contact, std::size_t num_grid_points) {
   const std::size_t size = contact.points.size();
   if (contact.pressure.size() != size || contact.contact_fraction.size() != size || contact.patch.size() != size) {

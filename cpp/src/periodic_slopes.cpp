@@ -29,7 +29,7 @@ class PairDerivative {
     }
   }
 
-  // Replace the values of two lines by their derivatives. The buffer must be aligned.
+  // Replace the values of two lines by the derivatives of both lines. The buffer must be aligned.
   void replace(std::complex<double>* values) {
     std::complex<double>* coefficients = coefficients_.get<double>(factors_.size());
     fft_.forward(values, coefficients);

@@ -103,7 +103,7 @@ TEST_CASE("tangent: is a unit tangent and matches the sliding factors, also at w
 }
 
 TEST_CASE("areal press: an ellipse much larger than the map contributes the area of the map") {
-  // The fractions of force and area inside the map have full relative accuracy, even if they are very small.
+  // Even very small fractions of force and area inside the map have full relative accuracy.
   const Matrix upper = paraboloid(31, 41, 1e4, 1e4);
   const Matrix lower = Matrix::Zero(31, 41);
   const ArealCandidates all_candidates = candidates({upper, lower, {spacing, spacing}}, 1e9, Curvature::signed_);

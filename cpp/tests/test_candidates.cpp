@@ -31,7 +31,7 @@ TEST_CASE("gap_minimum: finds the minimum of a parabola and no other stationary 
   // The gap has the slope g' = 2 (t - 0.3), which is -0.6 at t = 0 and 1.4 at t = 1.
   CHECK(*stiction::gap_minimum(-0.6, 2.0, 1.4, 2.0, 1.0) == doctest::Approx(0.3).epsilon(1e-15));
   CHECK_FALSE(stiction::gap_minimum(0.6, -2.0, -1.4, -2.0, 1.0).has_value());  // the gap has a maximum
-  // The parabola of the gap has its minimum to the left of the interval, so no minimum is returned.
+  // The minimum of the parabola lies to the left of the interval, so no minimum is returned.
   CHECK_FALSE(stiction::gap_minimum(0.6, 2.0, 2.6, 2.0, 1.0).has_value());
   CHECK(*stiction::gap_minimum(0.0, 2.0, 2.0, 2.0, 1.0) == 0.0);
   // The first point of a profile is never a minimum.

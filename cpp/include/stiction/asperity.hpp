@@ -35,7 +35,7 @@ struct Asperities {
   std::vector<double> curvature;  ///< curvatures f'' [1/µm]
   std::vector<Vector3> normal;    ///< unit normals that point out of the solid
   std::vector<double> radius;     ///< radii R of the osculating spheres [µm]
-  /// Sphere centres [µm]. In their coordinates, point j of the profile is at (j Δx, 0, z_j).
+  /// Sphere centres [µm], in the coordinates in which point j of the profile is at (j Δx, 0, z_j).
   std::vector<Vector3> centre;
 };
 

@@ -63,7 +63,7 @@ struct AdhesiveStresses {
 /// The energy is the sum of elastic energy, energy of the attraction and work of the load.
 /// Points in contact keep a gap of 0 as long as their pressure is between 0 and the hardness.
 /// The preconditioned residual is the displacement that the residual pressures cause.
-/// Each step ends at the first minimum of the energy along its direction.
+/// Each step ends at the first minimum of the energy along the direction of the step.
 /// Only one thread at a time may use an EnergyMinimizer.
 class EnergyMinimizer {
  public:

@@ -9,7 +9,7 @@
 
 namespace stiction {
 
-/// Local minimum of a spline in a cell of its map.
+/// Local minimum of a spline in one cell of a map.
 struct Minimum {
   Index row;     ///< row of the first grid point of the cell
   Index column;  ///< column of the first grid point of the cell
@@ -29,7 +29,7 @@ struct CellRange {
 };
 
 /// Find all minima of a spline in a range of cells, in the order of the cells, row by row.
-/// The spline is specified by its coefficients (see natural_bicubic).
+/// `coefficients` are the coefficients of the spline (see natural_bicubic).
 /// Minima above `max_value` [µm] and minima on the edge of the map are left out.
 /// Valleys whose curvature is only round-off are left out.
 /// A minimum within 1e-6 of the boundary between two cells belongs to the right or to the upper cell.

@@ -27,7 +27,7 @@ namespace stiction {
 /// ->  advance(K step)
 ///
 /// The preconditioner M acts on the whole grid, so the residual r is extended to points that are not free.
-/// The best extension minimises r·Mr. Its r·Mr equals r·K⁻¹r on the free points.
+/// The best extension minimises r·Mr. The minimum equals r·K⁻¹r on the free points.
 /// On areas, r is set to 0 at points that are not free, which gives nearly the smallest r·Mr.
 /// On lines with short contacts, zeros would give a much larger r·Mr than the best extension.
 /// On lines, r is interpolated linearly between free points. M r is multiplied by the transpose of the interpolation.

@@ -153,7 +153,7 @@ class JobQueue:
         """
         if sum(job.state == "waiting" for job in self.jobs_by_number.values()) >= MAX_WAITING_JOBS:
             raise RejectedRequestError(f"{MAX_WAITING_JOBS} jobs are already waiting; stop one of these jobs first")
-        # Jobs that differ only in mu0 and tau0 share a stored result, except for `shear`.
+        # Jobs that differ only in mu0 and tau0 share a stored result, unless their command is `shear`.
         is_shear = arguments[0] == "shear"
         identifying_arguments = [item for item in arguments if is_shear or not re.match("--(mu0|tau0)=", item)]
         digest = hashlib.sha256("\0".join(identifying_arguments).encode()).hexdigest()[:12]

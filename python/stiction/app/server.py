@@ -271,7 +271,7 @@ class Server:
                 async for chunk in request.stream():
                     digest.update(chunk)
                     await asyncio.to_thread(file.write, chunk)
-            # Identical scans get the same identifier, because it is their checksum.
+            # The identifier of a scan is its checksum, so identical scans have the same identifier.
             scan_identifier = digest.hexdigest()[:16]
             path = self.root / "files" / scan_identifier / name
             path.parent.mkdir(parents=True, exist_ok=True)

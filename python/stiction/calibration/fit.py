@@ -100,7 +100,7 @@ class _GridLimits:
     # Smallest and largest tau0 (GPa) of the grid at each nuisance point.
     min_tau0: Floats
     max_tau0: Floats
-    # Best mu0 with the shape (points, tau0), or None if no contact grows under shear.
+    # Best mu0 for each nuisance point and tau0, with the shape (points, tau0). None if no contact grows under shear.
     best_mu0: Floats | None = None
     # Half widths of the range of mu0 below and above the best mu0, with the shape (points, tau0).
     width_below: Any = None
@@ -197,7 +197,7 @@ class CalibrationProblem:
         scores_by_name = dict(zip(self.nuisances, np.clip(scores, -MAX_NORMAL_SCORE, MAX_NORMAL_SCORE).T, strict=True))
         shape = len(scores), *(1 for _ in grid_shape)
         probability = {name: ndtr(values).reshape(shape) for name, values in scores_by_name.items()}
-        # Area factors that are already computed. Two tests share a factor if their equation is the same.
+        # Area factors that are already computed. Two tests with the same equation share one factor.
         # If contacts grow under shear, the measured coefficients must be equal, too.
         cached_factors: dict[Hashable, Floats] = {}
 
@@ -217,7 +217,7 @@ class CalibrationProblem:
                     area, fraction = equation.area_factor.onset_area_and_friction_factors(
                         equation.area_factor.input_values(probability), law
                     )
-                    # mu0 and tau0 at which the softer body shears are excluded, because no test can measure them.
+                    # Pairs (mu0, tau0) for which the softer body shears are excluded: no test can measure such pairs.
                     cached_factors[key] = area if is_measured else np.where(fraction < 1, np.inf, area)
                 factor = factor * cached_factors[key]
             if equation.scatter > 0:

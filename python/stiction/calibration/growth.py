@@ -8,7 +8,7 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Number of tau0 in each search, and number of successive searches, each in a narrower range of tau0.
+# Number of trial tau0 per search, and number of searches. Each search has a narrower range of tau0 than the last.
 NUM_TAU0_SEARCH_POINTS, NUM_TAU0_SEARCHES = 13, 3
 NUM_NEWTON_STEPS = 3
 # Difference of mu0 in numerical derivatives, divided by 0.1 + mu0.

@@ -30,7 +30,7 @@ def exit_on_interrupt() -> Iterator[None]:
 
     is_main = threading.current_thread() is threading.main_thread()
     if not is_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        # A custom handler of SIGINT is not replaced, nor is a setting that ignores SIGINT, as in a background job.
+        # A custom handler of SIGINT is kept. In a background job, which ignores SIGINT, SIGINT stays ignored.
         yield
         return
     try:

@@ -33,11 +33,11 @@ if TYPE_CHECKING:
     import xarray
 
 DatasetTransformation: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
-# Maximum number of points of load curves of one result cell that are in memory at the same time.
+# Maximum number of load-curve points that are in memory at the same time, for one result cell.
 MAX_VALUES_IN_MEMORY = 2**18
 # Dimensions whose combinations are the cells of a result. Each cell has one roughness or one cutoff.
 MAP_CELL_DIMENSION_NAMES = ("fractal_dimension", "amplitude", "cut_off")
-# Dimensions that only results for several sliding rules or directions have.
+# Dimensions that a result has only if it covers several sliding rules or directions.
 MOTION_DIMENSION_NAMES = ("sliding", "direction")
 _LOAD_VARIABLES = ("contact_count", *friction.LOAD_SUM_NAMES[:3])
 

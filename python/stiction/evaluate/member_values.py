@@ -537,7 +537,7 @@ def _find_load_crossings(
     """Return the contact sums of members, and the crossings at which their load curves reach the requested loads."""
     step_dimension = find_step_dimension(piece)
     member_dims = (*find_cell_dimensions(piece), "repetition")
-    # Variables are much faster to access than data arrays, because they have no coordinates.
+    # Variables of xarray are much faster to access than data arrays, because variables have no coordinates.
     piece_variables = piece.variables
     elastic_loads = _to_float_array(piece_variables["normal_elastic"], (*member_dims, step_dimension))
     curve = (

@@ -42,7 +42,7 @@ class SlidingRuleCoefficient(Estimate):
     status: str = STATUS_OK
     # Interval of the mean coefficient over positions.
     interval_of_mean: Interval = UNKNOWN_INTERVAL
-    # Interval that contains the coefficient of one more test in one direction.
+    # Prediction interval for the coefficient of one further test in one direction.
     prediction_interval: Interval = UNKNOWN_INTERVAL
     # 10 % quantile of the coefficients of single members.
     low: float = math.nan

@@ -73,7 +73,7 @@ def _unpickle_grids(
     return get_half_space_grids(shape, spacing, effective_modulus, periodic=periodic)
 
 
-# Grids are pickled without their kernels, which the process that unpickles the grids computes again.
+# Grids are pickled without kernels. The process that unpickles the grids computes the kernels again.
 copyreg.pickle(_core.HalfSpaceGrids, lambda grids: (_unpickle_grids, _key_of_grids[grids]))
 
 

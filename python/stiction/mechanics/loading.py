@@ -160,7 +160,7 @@ class SurfacePair:
             or cached_candidates.deepest < deepest
             or cached_candidates.curvature != model.curvature
         ):
-            # The search for contact candidates goes beyond the requested approach, for later larger requests.
+            # The search for contact candidates goes beyond the requested approach, as later requests may be larger.
             cached_candidates = candidates(
                 self.upper, self.lower, deepest=_CANDIDATE_APPROACH_FACTOR * deepest, curvature=model.curvature
             )

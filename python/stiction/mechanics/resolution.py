@@ -40,7 +40,7 @@ _PLASTIC_WAVELENGTH_DESCRIPTION = "wavelength at which the elastic mean pressure
 KAPPA_AT_SMALL_LOADS = 2.2
 # Attributes of a load curve with one number per load, which is the same for all directions of motion.
 _DIRECTION_INDEPENDENT_FIELDS = ("contact_area", "contact_count", "load_share_at_hardness", "error")
-# Names of the result variables that differ from the attribute of a load curve.
+# Result variables whose name differs from the load-curve attribute. The key is the attribute.
 _VARIABLE_NAMES_BY_FIELD = {"load_share_at_hardness": "load_fraction_at_hardness"}
 
 

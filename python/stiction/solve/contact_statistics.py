@@ -109,7 +109,7 @@ class ContactList:
     slope_x: Floats
     # Mean slope of each contact along y, or 0 for profiles.
     slope_y: Floats
-    # Number of grid cells that each contact covers. It is fractional for asperities.
+    # Number of grid cells that each contact covers. The number is fractional for asperities.
     cells: Floats
     # True for each contact that reaches the edge of the grid.
     at_edge: NDArray[np.bool_]

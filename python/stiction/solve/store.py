@@ -93,7 +93,7 @@ AREAS_BY_HARDNESS_FILE = "hardness.nc"
 CONTACT_PICTURE_FILE = "picture.nc"
 # Name of the file with the onset of sliding: curves of tangential load against displacement.
 ONSET_FILE = "onset.nc"
-# Name of the file with the mean onset curve as a table. It is the backbone curve of a Masing model.
+# Name of the file with the mean onset curve as a table. The curve is the backbone curve of a Masing model.
 ONSET_TABLE_FILE = "onset.csv"
 STUDY_FILE_SIGNATURE = "# Written by stiction"
 _STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction [^\n]*\. CRC-32 of the text below: ([0-9a-f]{8})\.")

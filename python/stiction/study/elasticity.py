@@ -31,7 +31,7 @@ class PairElasticity:
     """Elastic constants of a pair of bodies, and the hardness of the softer body."""
 
     effective_modulus: float  # E*, GPa
-    # Fraction of the elastic compliance that is due to the lower body. It is 0.5 if only E* is given.
+    # Fraction of the elastic compliance that is due to the lower body, or 0.5 if only E* is given.
     compliance_share: float = 0.5
     poisson_ratio: float | None = None  # of the softer body
     hardness: MaterialValue | None = None  # GPa, of the softer body

@@ -61,12 +61,12 @@ _GPA_PER_VICKERS = 9.80665e-3 / 0.9272
 
 _RANGE_PATTERN = re.compile(r"\s*(uniform\s+)?(.+?)\s*\.\.\s*(.+?)\s*")
 _PLUS_MINUS_PATTERN = re.compile(r"\s*(.+?)\s*(?:±|\+-|\+/-)\s*(.+?)\s*")
-# An input may have its range in parentheses, as in "0.3 (0.2 .. 0.4)".
+# The range of an input may be in parentheses, as in "0.3 (0.2 .. 0.4)".
 _CENTRAL_VALUE_PATTERN = re.compile(r"\s*([^()]+?)\s*\(\s*([^()]+?)\s*\)\s*")
 # An uncertainty in per cent may be followed by a unit.
 _PERCENT_PATTERN = re.compile(r"(.+?)\s*%\s*(.*)")
 _TRAILING_UNIT_PATTERN = re.compile(r"(?<![^\W\d_])(?!inf\b|nan\b)[^\W\d_]+\s*$", re.IGNORECASE)
-# A Vickers scale may have its test load, as in "HV10" or "HV 0.5".
+# The name of a Vickers scale may contain the test load, as in "HV10" or "HV 0.5".
 _VICKERS_TEST_LOAD_PATTERN = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")
 InputKind = Literal["", "pressure", "modulus", "hardness"]
 # The largest accepted Poisson's ratio belongs to an incompressible body.

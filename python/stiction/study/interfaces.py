@@ -100,7 +100,7 @@ FAULTS_HEADER_ENTRY, CAUTIONS_HEADER_ENTRY = "do not quote", "quote with care"
 or only with care.
 """
 
-# If a file has no columns of normal scores, the scores are computed from the samples. They are limited to this number.
+# Largest normal score that is computed from samples, for files without columns of normal scores.
 MAX_SCORE_OF_OLD_FILE = 5.0
 _SCORE_COLUMN_PREFIX = "score of "
 
@@ -128,7 +128,7 @@ class StrengthFit:
     """Fit of mu0 and tau0 to friction tests for one sliding rule: joint samples, and the quality of the fit."""
 
     sliding: SlidingRule
-    # Chi-squared of the best fit. It has no meaning if the tests have no given errors.
+    # Chi-squared of the best fit, which has no meaning if the errors of the tests were not given.
     chi_squared: float
     # Degrees of freedom: number of tests with sliding, minus number of fitted parameters.
     freedom: int

@@ -193,7 +193,7 @@ class OptionCondition:
     """Condition under which an option applies to a pair, and the error message if the condition does not hold."""
 
     is_met: Callable[[PairProperties], bool]
-    # Message if the condition is not met, printed after the option name. {name} stands for another option.
+    # Message that follows the option name if the condition is not met. {name} in the message stands for another option.
     message: str
 
 

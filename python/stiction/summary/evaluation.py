@@ -186,7 +186,7 @@ class Evaluation(MemberSums):
         if isinstance(surfaces.fractal_dimension, tuple):
             return quantities
         # If the study has a range of fractal dimensions, a few fractal dimensions suffice to draw a curve.
-        # If the study lists fractal dimensions, all of them are shown.
+        # If the study lists fractal dimensions, all listed fractal dimensions are shown.
         num_dimensions = quantities.sizes["fractal_dimension"]
         shown_indices = np.unique(
             np.linspace(0, num_dimensions - 1, min(NUM_OVERVIEW_FRACTAL_DIMENSIONS, num_dimensions)).round().astype(int)

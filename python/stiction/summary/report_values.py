@@ -99,7 +99,7 @@ def evaluate_measured_report(grid: ReportGrid) -> MeasuredReportValues:
         np.stack(arrays) for arrays in zip(*(_stack_motions(values, grid.motions) for values in tables), strict=True)
     )
     # Combined intervals exist only for the kind of member (positions or surrogates) whose result is reported.
-    # They also require a mean over all directions.
+    # Combined intervals also require a mean over all directions.
     has_combined = np.zeros((len(tables), len(grid.motions)), bool)
     has_combined[0] = [len(motion) == len(grid.motions[0]) for motion in grid.motions]
     estimates[

@@ -459,7 +459,7 @@ def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
     The returned list begins with the points at the reported cutoff. The points at the other cutoff are marked as
     covered.
     """
-    # The first point has the reported coefficient. Points at a different cutoff are covered by its interval.
+    # The first point has the reported coefficient, whose interval covers the points at a different cutoff.
     cut_off = points[0].at["cut_off"]
     points_at_other_cutoff = {
         _get_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off

@@ -90,7 +90,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
     for angle in np.linspace(0, np.pi, _STEP_ANGLE_COUNT, endpoint=False) if is_map else [0.0]:
         distance_across = np.cos(angle) * coordinates[0] + np.sin(angle) * coordinates[-1]
         block_order = np.argsort(distance_across, kind="stable")
-        # For each possible edge, the heights are projected onto a step at this edge, without its mean and tilt.
+        # For each possible edge, the heights are projected onto a step at this edge. The step has no mean and no tilt.
         projections, *trend_sums = np.cumsum(np.take(rows, block_order, axis=1), axis=1)[:, candidate_edges]
         square_norms = num_blocks_below[candidate_edges] - np.square(trend_sums).sum(axis=0)
         explained_square_sums = np.square(projections) / square_norms

@@ -45,7 +45,7 @@ _SPECTRUM_PIECE_PENALTY = 10.0
 # Random scatter causes a deviance of about 1 per bin.
 # A piece with a larger deviance is rejected, because the piece consists of separate peaks.
 _MAX_DEVIANCE_PER_BIN = 10.0
-# Minimum width of the fitted wave number band in ln(q). It is about half a decade.
+# Minimum width of the fitted wave number band, in ln(q): about half a decade.
 _MIN_BAND_WIDTH = math.log(3)
 # Minimum increase of the log-likelihood for which a fit includes a roll-off as an additional parameter.
 _ROLL_OFF_PENALTY = 2.0

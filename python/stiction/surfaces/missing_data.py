@@ -159,7 +159,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
         is_deviating = ratio > _MIN_OUTLIER_RATIO
         if not is_deviating.any():
             break
-        # SciPy is imported only here, which takes 0.1 s, because most scans have no outliers.
+        # SciPy, whose import takes 0.1 s, is imported only here, because most scans have no outliers.
         from scipy.ndimage import maximum_filter
 
         is_local_maximum = is_deviating & (ratio >= maximum_filter(ratio, size=3))

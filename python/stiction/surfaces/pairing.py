@@ -30,7 +30,7 @@ from stiction.surfaces.profile import LineOrientation, Profile, Side, select_fro
 from stiction.surfaces.surface import Surface, as_body
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
-# Default number of line pairs. With this number, computing a result with interval takes one or two seconds.
+# Default number of line pairs, with which a result with interval takes one or two seconds to compute.
 DEFAULT_NUM_LINE_PAIRS = 128
 # The largest shift is the map length divided by this number, so that three quarters of two maps always overlap.
 MAX_SHIFT_DIVISOR = 4
@@ -514,7 +514,7 @@ class SurfacePairsFromSpectra(SquarePiecePairs):
     The spacing is a quarter of the shortest wavelength, so a longer cutoff wavelength gives a larger surface.
     """
 
-    # Spectrum of the upper body. It is also the spectrum of the flipped body.
+    # Spectrum of the upper body. Flipping the body does not change the spectrum.
     upper: JoinedSpectrum
     lower: JoinedSpectrum
     # Trend that is subtracted from each generated surface.
@@ -522,7 +522,7 @@ class SurfacePairsFromSpectra(SquarePiecePairs):
     seed: int = 2016
     # Cutoff wavelengths (µm) of the upper and the lower body, or 0 for an unfiltered body.
     cut_off: tuple[float, float] = (0.0, 0.0)
-    # Shortest cutoff (µm) of a study. It determines the grid of the generated surfaces at all cutoffs.
+    # Shortest cutoff (µm) of a study, which determines the grid of the generated surfaces at all cutoffs.
     finest_spacing: float = 0.0
 
     @cached_property

@@ -18,7 +18,7 @@ ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
 ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic", "circle"]
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
-# Section of the longer body that is kept: its start or its middle.
+# Section of the longer body that is kept: the start or the middle.
 GridAlignment = Literal["start", "middle"]
 # A position is regarded as a grid point if its distance from the point is below this fraction of the spacing.
 # The tolerance allows for round-off: 0.3 µm is point 3 of a grid with a spacing of 0.1 µm.

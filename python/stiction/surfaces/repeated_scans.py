@@ -32,8 +32,8 @@ MIN_CORRELATION = 0.5
 _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
 # Number of Gauss-Newton steps with each Gaussian filter in the alignment of two scans.
 _NUM_REFINEMENT_STEPS = 4
-# White noise is smoothed by a Gaussian filter with a standard deviation of one point.
-# Heights at this distance (points) then count as independent.
+# After a Gaussian filter with a standard deviation of one point, neighbouring heights of white noise are correlated.
+# Heights of the filtered noise count as independent at this distance (points).
 _POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
 # Number of points that spline interpolation requires beyond the overlap of two scans.
 _OVERLAP_MARGIN = 3

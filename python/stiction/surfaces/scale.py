@@ -644,7 +644,7 @@ def _find_noise_and_texture(
     if first_harmonic > 0:
         if harmonic_distance < MIN_HARMONIC_DISTANCE:
             return _NoiseAndTexture(math.nan, "noise floor", 0.0, period)
-        # Noise is searched for at wave numbers above the first harmonic: near it, cusps of unequal depth cause a hump.
+        # Noise is searched for above the first harmonic. Near the first harmonic, cusps of unequal depth cause a hump.
         above_first_harmonic = slice(int(first_harmonic), None)
         density_with_harmonics = density[above_first_harmonic]
         density, q, count = (

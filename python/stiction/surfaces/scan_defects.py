@@ -241,7 +241,7 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
         ]  # fmt: skip
     gradients = [difference - difference.mean() for difference in differences]
     power = np.sum([np.square(np.abs(np.fft.rfftn(gradient))) for gradient in gradients], axis=0)
-    # Coefficients between the first and the last column count twice, also for their complex conjugates.
+    # Coefficients between the first and the last column count twice: each also stands for its complex conjugate.
     num_columns = gradients[0].shape[-1]
     weights = np.full(power.shape[-1], 2.0)
     weights[0] = 1.0

@@ -25,7 +25,7 @@ MIN_POINT_ROWS = 12
 # Maximum number of rows or columns of statistics, such as means, along one edge of a matrix.
 MAX_STATISTIC_LINES = 6
 # Largest deviation of a printed statistic from the computed statistic, in standard deviations of the heights.
-# A rounded statistic deviates less from the computed statistic, and a row of measured heights deviates more.
+# Rounding changes a statistic by less than this limit. A row of measured heights deviates by more than this limit.
 MAX_STATISTIC_DEVIATION = 2e-3
 # Maximum number of heights per text line of a profile that is written in several lines.
 MAX_WRAPPED_COLUMNS = 32

@@ -211,7 +211,7 @@ class WordColumn:
     rarest_word: str
     # Mask of the rows in which a word marks a missing point.
     missing: NDArray[np.bool_]
-    # Different units of length in the column, if all its words are units.
+    # Different units of length in the column, if all words of the column are units.
     units: tuple[str, ...] = ()
 
 

@@ -59,7 +59,7 @@ MAX_JITTER = 0.5
 # A surface counts as tilted if heights and point index have at least this correlation in every line.
 MIN_TILT_CORRELATION = 0.98
 # Minimum count of heights below the first number of a column.
-# The first number gets a caveat if it has fewer decimals than all these heights.
+# The first number gets a caveat if it has fewer decimals than all heights below.
 MIN_COMPARED_NUMBERS = 20
 # Minimum step of a column of positions, in units of the last printed digit.
 # With steps of fewer than three units, coarsely rounded heights could have equal steps by chance.

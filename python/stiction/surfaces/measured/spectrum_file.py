@@ -21,7 +21,7 @@ WAVE_NUMBER_COLUMN, DENSITY_COLUMN, WAVE_COUNT_COLUMN = "wave number (1/um)", "C
 """Column names of a spectrum file. Tables from other programs need not have the last column."""
 
 # A spectrum file has two columns for each scan: fraction of wave vectors, and ratio of densities.
-# The names of the columns begin with these prefixes.
+# The name of each column begins with one of these prefixes.
 WAVE_VECTOR_FRACTION_COLUMN_PREFIX, DENSITY_RATIO_COLUMN_PREFIX = "fraction of ", "power over the joined of "
 _SCAN_LINE_PATTERN = re.compile(
     r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)"
