@@ -41,7 +41,7 @@ RELATIVE_EDGE_WIDTH = 0.01
 INPUTS_COMPARED_ELSEWHERE = ("mu0", "tau0", "junction_growth", "creep")
 """Inputs whose ranges are not compared here: the interface defines them, or has its own rule for them."""
 
-_RANGE_PATTERN = re.compile(r"(normal|log-normal|uniform) (\S+?)\.\.(\S+)")
+_TESTED_RANGE_PATTERN = re.compile(r"(normal|log-normal|uniform) (\S+?)\.\.(\S+)")
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,7 @@ def _find_tested_ranges(
         text = score_name.removeprefix(f"{name} ")
         if text == score_name or not text.endswith(suffix):
             continue
-        if match := _RANGE_PATTERN.fullmatch(text.removesuffix(suffix)):
+        if match := _TESTED_RANGE_PATTERN.fullmatch(text.removesuffix(suffix)):
             distribution: Any = match[1]
             low, high = float(match[2]), float(match[3])
             value = math.sqrt(low * high) if distribution == "log-normal" else 0.5 * (low + high)
