@@ -255,8 +255,8 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
   std::vector<SplineMinimum> spline_minima;
   const double offset = pair.lower(0, 0);
   const double round_off = round_off_fraction * range.largest;
-  // Slopes and curvatures, as derivatives by the grid index, count as zero up to `level_limit` [µm].
-  // The limit must not be below the round-off of the heights.
+  // Slopes and curvatures with respect to the grid index count as zero up to `level_limit` [µm].
+  // `level_limit` must not be below the round-off of the heights.
   const double level_limit = std::max(level_fraction * (range.highest - range.lowest), 16.0 * round_off);
   for (const Tile& tile : tiles) {
     check_cancellation();

@@ -9,7 +9,7 @@ namespace stiction {
 namespace {
 
 // Elliptic integrals K and E of modulus e, computed from the arithmetic-geometric mean of 1 and k.
-// K = π / (2 · mean), with the arithmetic-geometric mean `mean`, and `ratio` = (K - E) / (e² K).
+// `mean` is the arithmetic-geometric mean, so K = π / (2 · mean). `ratio` is (K - E) / (e² K).
 // For k -> 1, the variable `ratio` tends to 1/2. For k -> 0, the variable `ratio` tends to 1 - 1/K.
 // Source: Abramowitz & Stegun (1964), section 17.6.
 struct Integrals {
@@ -18,7 +18,7 @@ struct Integrals {
 };
 
 Integrals integrals(double k) {
-  // The series is ratio = Σ 2^(n-1) c_n² / e², with c_(n+1) = (a_n - b_n) / 2 = c_n² / (4 a_(n+1)).
+  // `ratio` is the series Σ 2^(n-1) c_n² / e², with c_(n+1) = (a_n - b_n) / 2 = c_n² / (4 a_(n+1)).
   // The term c_1² / e² is simplified by cancelling e², which avoids 0/0 for circular contacts.
   double a = 0.5 * (1.0 + k);
   double b = std::sqrt(k);

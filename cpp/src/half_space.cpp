@@ -49,7 +49,7 @@ constexpr double difference_tolerance = 0.03;
 // Maximum number of contact points whose linear response is computed with a dense matrix.
 // Up to 1024 contact points, solving with the matrix is faster than solving with transforms of the grid.
 constexpr std::size_t max_dense_points = 1024;
-// Limits up to which displacements are computed with a dense matrix, only at points that can come into contact.
+// Below both limits, displacements are computed with a dense matrix, and only at points that can come into contact.
 // Up to `max_matrix_ratio` matrix elements per grid point, the matrix is faster than transforms of the grid.
 // `max_selected_points` limits the size of the matrix to 16 MiB.
 constexpr std::size_t max_matrix_ratio = 16;

@@ -16,7 +16,7 @@ namespace stiction {
 namespace {
 
 // Limits of the optimal step length, relative to the trial step length.
-// Below the lower limit, the step is shortened.
+// If the optimal step length is below the lower limit, the step is shortened.
 // Both limits also restrict the ratio of successive trial step lengths.
 constexpr double min_length_factor = 0.5;
 constexpr double max_length_factor = 2.0;
@@ -631,7 +631,7 @@ bool ProjectedCgSolver::advance(std::span<const float> response, const ThreadPoo
     conjugate_ = false;
     return false;
   }
-  // If a full step is clipped at bounds, the full step is accepted if the energy decreases.
+  // A full step that is clipped at bounds is accepted if the energy decreases.
   // A shortened step would leave pressure at points that the full step unloads completely.
   const double fraction = clipped_
                               ? (optimum >= min_length_factor ? 1.0 : optimum)

@@ -12,7 +12,7 @@ namespace stiction {
 /// Body to which a profile belongs. The lower body lies below its profile, and the upper body lies above its profile.
 enum class Side { lower, upper };
 
-/// Return the side named "lower" or "upper". Throws std::invalid_argument for any other name.
+/// Return the Side that is named "lower" or "upper". Throws std::invalid_argument for any other name.
 Side side(std::string_view name);
 
 /// Osculating sphere of a profile at one point.

@@ -39,7 +39,7 @@ struct ContactPoint {
 /// The rule `signed_` also allows a convex sphere inside a larger concave sphere.
 enum class Curvature { convex, signed_ };
 
-/// Two spheres, at most one of which is concave (Eq. 4).
+/// Asperity pair of two spheres, at most one of which is concave (Eq. 4).
 /// At the approach δ, the penetration is p = δ - gap.
 /// At the penetration p, the vector between the sphere centres is X = -p e_z + R_l n_l - R_u n_u.
 /// The overlap of the spheres is R_u + R_l minus the signed length of X.
@@ -59,7 +59,7 @@ struct SpherePair {
 
   /// Compute the contact point at a given approach [µm].
   ContactPoint contact_at(double approach) const;
-  /// Return whether the overlap is zero or negative. Unlike `contact_at`, this needs no division and no square root.
+  /// Return whether the overlap is zero or negative. `is_separated` needs no division and no square root.
   bool is_separated(double approach) const;
   /// Return the numerator of the overlap, (R_u + R_l)² - X² [µm²], with the sign of R_u R_l.
   double overlap_numerator(double penetration) const {

@@ -105,7 +105,7 @@ class EnergyMinimizer {
   AdhesiveInterface interface_;
   StiffnessKernel kernel_;
   double uniform_stiffness_ = 0.0;  // sum of pressures due to a uniform displacement of a free grid; 0 if periodic
-  // Arrays on the extended grid, whose memory the next step reuses.
+  // Arrays on the extended grid. The next step reuses the memory of these arrays.
   Workspace workspace_;
   std::vector<double> displacement_;
   std::vector<float> residual_;

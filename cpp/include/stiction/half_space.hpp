@@ -16,7 +16,7 @@
 
 namespace stiction {
 
-/// Arrays of a calculation on a grid, whose memory later calculations reuse.
+/// Arrays of a calculation on a grid. Later calculations reuse the memory of these arrays.
 struct SolverMemory;
 
 /// Grid hierarchy and elastic kernels, shared by all contact problems on the same grid.
@@ -102,12 +102,12 @@ class HalfSpaceSolver {
   /// If the gap is 0 everywhere, the solver finds shear tractions up to given bounds instead of contact pressures.
   /// `bound` [GPa] contains one pressure bound for all points, which may be infinite, or one bound for each point.
   /// Points with a pressure bound of 0 carry no pressure and may overlap.
-  /// Throws std::invalid_argument for wrong sizes and for a tolerance that is not positive.
+  /// Throws std::invalid_argument if an array has a wrong size, or if the tolerance is not positive.
   HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrids> grids, Values bound, double tolerance,
                   const ThreadPool& pool = ThreadPool());
 
   /// Return the length [µm] by which gaps and overlaps are divided to obtain a relative error.
-  /// The length is the larger of two standard deviations: of the gap and of the displacements at `mean_pressure` [GPa].
+  /// The length is the larger of two deviations: of the gap, and of the displacements at `mean_pressure` [GPa].
   double scale(double mean_pressure) const;
 
   const Grid& grid() const { return grids_->levels()[0]; }

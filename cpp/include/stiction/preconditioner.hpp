@@ -32,7 +32,7 @@ class Preconditioner {
   /// Number of points along each side of a block.
   static constexpr std::size_t block_size = 16;
 
-  /// Arrays on the grid, whose memory a later preconditioner can reuse.
+  /// Arrays on the grid. A later preconditioner can reuse the memory of these arrays.
   struct Arrays {
     std::vector<float> result;
     std::vector<float> remainder;

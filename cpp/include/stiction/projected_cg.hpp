@@ -20,7 +20,7 @@ namespace stiction {
 /// The caller multiplies by K, and by a preconditioner M that approximates the inverse of K.
 /// `potential` is K p + g0, so the gap at approach δ is potential - δ.
 /// A point is free if its pressure lies strictly between the bounds.
-/// A point at a bound is also free if its gap drives its pressure away from the bound.
+/// A point at a bound is also free if the gap at the point drives the pressure away from the bound.
 /// One iteration of the solver consists of the following calls:
 ///
 /// restart(potential), then  update_free_points()  ->  residual()  ->  step(M residual, K previous step)
@@ -33,12 +33,12 @@ namespace stiction {
 /// On lines, r is interpolated linearly between free points. M r is multiplied by the transpose of the interpolation.
 /// The interpolation of r continues across the edges of the grid, because M is periodic.
 ///
-/// After each step, the pressures are within their bounds, and their sum is the total.
+/// After each step, all pressures are within their bounds, and the sum of the pressures is `total`.
 /// Only pressures at free points change to restore the total load, so points out of contact keep zero pressure.
 /// The energy never increases. Source of the method: Polonsky & Keer, Wear 231 (1999) 206.
 class ProjectedCgSolver {
  public:
-  /// Arrays on the grid, whose memory a later solver can reuse.
+  /// Arrays on the grid. A later solver can reuse the memory of these arrays.
   struct Arrays {
     std::vector<double> potential;
     std::vector<float> residual;

@@ -32,7 +32,7 @@ from stiction.study.interfaces import (
 
 # Minimum number of tests that slid, from which the errors of the tests can be estimated.
 MIN_SLIDING_TESTS = 3
-# Largest factor by which a misfit may multiply the errors of the tests without forbidding to quote the friction law.
+# A friction law may be quoted only if the misfit multiplies the errors of the tests by at most this factor.
 MAX_ERROR_SCALE = 3.0
 
 

@@ -70,7 +70,7 @@ class LoadCrossings:
     reached: NDArray[np.bool_]
     # True for loads below the first step, with the shape (..., loads).
     below: NDArray[np.bool_]
-    # Loads of the curves and requested loads, or None unless the ratio of a quantity to the load is interpolated.
+    # Loads of the curves, and requested loads. None if no ratio of a quantity to the load is interpolated.
     scale: tuple[Floats, Floats] | None = None
 
     @classmethod

@@ -332,7 +332,7 @@ def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) 
 def sum_patches(solutions: Sequence[ContactSolution], directions: Floats) -> PatchSums:
     """Return the friction sums of all patches in k solutions, for m directions of motion as unit vectors (m, 2)."""
     problem = solutions[0].problem
-    # With free tilt, each load has its own problem, because the tilt changes the gap.
+    # With free tilt, each load has its own contact problem, because the tilt changes the gap.
     if any(solution.problem is not problem for solution in solutions):
         return PatchSums.join([sum_patches([solution], directions) for solution in solutions])
     contacts = [solution.arrays for solution in solutions]

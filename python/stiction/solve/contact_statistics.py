@@ -97,9 +97,9 @@ def compute_slopes(body: Profile | Surface) -> list[Floats]:
 class ContactList:
     """Arrays with one item per contact between two bodies at one load, and the distribution of contact pressure."""
 
-    # Position (µm) of each contact along x, weighted by the pressure.
+    # Pressure-weighted position (µm) of each contact along x.
     x: Floats
-    # Position (µm) of each contact along y, weighted by the pressure, or 0 for profiles.
+    # Pressure-weighted position (µm) of each contact along y, or 0 for profiles.
     y: Floats
     # Normal force on each contact (mN).
     force: Floats

@@ -130,7 +130,7 @@ class StrengthFit:
     sliding: SlidingRule
     # Chi-squared of the best fit, which has no meaning if the errors of the tests were not given.
     chi_squared: float
-    # Degrees of freedom: number of tests with sliding, minus number of fitted parameters.
+    # Degrees of freedom: number of tests that slid, minus number of fitted parameters.
     freedom: int
     # Probability of a larger chi-squared by chance, or NaN without given errors or without degrees of freedom.
     probability: float

@@ -896,7 +896,7 @@ class MeasuredPair:
             "ensemble": self._build_ensemble_section(),
             "friction": placeholder_friction,
         }
-        # With checksums, the surface settings equal the settings of the final study, so both share cached bodies.
+        # With checksums, the surface settings equal those of the final study, so both studies share cached bodies.
         return find_body_attributes(_validate_study(sections).with_checksums())
 
     @property

@@ -421,7 +421,7 @@ def _find_instrument_caveats(
         text = f"{_describe_slope_fraction(tip_limit)}, which the tip does not resolve: the surface is steeper"
         note = f", and the interval {'includes an estimate of' if has_tip_estimate else 'does not include'} this"
         note = note if elastic or has_tip_estimate else ""
-        # Slopes increase with ever finer scans, so the true area has no lower limit unless there is a hardness.
+        # Slopes increase with ever finer scans, so the true area has no lower limit if no hardness is given.
         peak_severity: Severity = "fault" if elastic and tip_limit.matters else "caution"
         remedy = "use a sharper tip" + (", or specify a hardness" if elastic else "")
         # A Gaussian filter with the combined cutoff equals two successive filters, one at each cutoff.

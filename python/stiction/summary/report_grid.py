@@ -152,7 +152,7 @@ def build_parameter_axes(study: Study) -> tuple[ParameterAxis, ParameterAxis]:
     modulus, hardness = float(study.contact.effective_modulus), study.contact.hardness
     max_tau0 = MAX_TAU0_OVER_MODULUS * modulus
     max_tau0 = max_tau0 if hardness is None else min(max_tau0, MAX_TAU0_OVER_HARDNESS * float(hardness))
-    # If a study of generated surfaces has several tau0, the largest is also the largest tau0 in the report.
+    # If a study of generated surfaces has several tau0, the report ends at the largest tau0 of the study.
     max_tau0 = tau0[-1] if tau0.size > 1 and not is_measured else max(max_tau0, tau0[-1])
     round_tau0 = _list_round_numbers(max_tau0, MAX_TAU0_STEPS[is_measured])
     round_mu0 = np.array(MEASURED_MU0_VALUES if is_measured else GENERATED_MU0_VALUES)

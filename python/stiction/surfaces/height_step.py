@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from stiction._checks import Floats
 
 # Second differences of the heights count as equal if they differ by at most this fraction of the height range.
-# This tolerance exceeds the round-off of levelling and of single-precision heights.
+# The tolerance for equal second differences exceeds the round-off of levelling and of single-precision heights.
 _EQUAL_DIFFERENCE_TOLERANCE = 1e-6
 # Minimum number of occurrences of a second difference that is attributed to rounding.
 _MIN_REPETITIONS = 5

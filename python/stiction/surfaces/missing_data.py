@@ -44,7 +44,7 @@ _WINDOW_WIDTHS = {1: 31, 2: 7}
 # With three means, the median is correct even if an outlier affects one mean.
 _MIN_NEIGHBOUR_ESTIMATES = 3
 # By chance, an outlier of a map may lie near this number of lines through two neighbours, but not more.
-# Each point is compared with at least five lines.
+# Each point of a map is compared with at least five lines through two neighbours.
 _MAX_LINES_NEAR_OUTLIER = 2
 _MAX_OUTLIER_PASSES = 8
 # Steps (points) from a point to its neighbours, by the number of dimensions: 1 for profiles, 2 for maps.

@@ -532,7 +532,7 @@ def _line_hurst_exponent_text(line: LineRoughness) -> str:
 
 # ---- JSON and CSV ----------------------------------------------------------------------------------------------------
 
-# File names, each with the characterisation of its scan.
+# Names of scan files, each with the characterisation of the scan.
 CharacterisedFiles = Sequence[tuple[str, Characterisation]]
 
 

@@ -35,7 +35,7 @@ def read_excel(data: bytes, words: tuple[str, ...] = ()) -> HeightChannels:
     `words` are additional words that mark missing points.
     """
     try:
-        # Openpyxl warns about the styles of a workbook, which do not matter here.
+        # Openpyxl warns about the styles of a workbook, but only the values of cells are read.
         with warnings.catch_warnings(action="ignore"):
             from openpyxl import load_workbook
     except ImportError:

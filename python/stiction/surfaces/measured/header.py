@@ -622,7 +622,7 @@ def split_column_names(line: str, width: int, dialect: Dialect) -> list[str] | N
             and dialect.separator is not None
             and any(map(_has_unit, cells))
         ):
-            # A header may have more names than columns. The surplus names at its end are ignored.
+            # A header may have more names than there are columns. Surplus names at the end of the header are ignored.
             return cells[:width]
         if len(cells) == width:
             return cells

@@ -105,7 +105,7 @@ def _open_reader(path: Path) -> Iterator[Any]:
     except Exception as error:
         # SurfaceTopography raises many classes of errors for a file that it cannot read.
         detail = f" ({type(error).__name__}: {' '.join(str(error).split())[:120]})"
-        # The text of `CannotDetectFileFormat` lists the errors of all readers of SurfaceTopography, so it is left out.
+        # The text of `CannotDetectFileFormat` is left out. It lists the errors of all readers of SurfaceTopography.
         if type(error).__name__ == "CannotDetectFileFormat":
             detail = ""
         raise FormatError(_UNKNOWN_FORMAT_MESSAGE.format(detail)) from None

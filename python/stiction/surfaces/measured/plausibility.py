@@ -36,7 +36,7 @@ MAX_MISSING_CODES = 4
 MIN_CODE_DEVIATION = 3.0
 # Maximum number of heights from which the median height and the frequency of each height are estimated.
 MAX_SAMPLED_HEIGHTS = 65_536
-# Minimum number of different heights of a scan that is searched for unusually frequent heights.
+# A scan is searched for unusually frequent heights only if it has at least this number of different heights.
 MIN_COMPARED_HEIGHTS = 20
 # Number of neighbouring heights, on each side, with which the frequency of a height is compared.
 NUM_NEIGHBOURS = 12
