@@ -300,7 +300,7 @@ def test_surfer_grid_is_read_with_the_spacings_of_its_header(tmp_path, suffix, p
     assert surface.spacings == pytest.approx((0.25, 0.5))
     assert np.argwhere(surface.missing).tolist() == [[2, 3]]
     assert np.array_equal(surface.heights[surface.missing == 0], MAP[surface.missing == 0])
-    assert "has a spacing of 0.25 µm, but the option gives a spacing of 0.5 um" in get_error_message(
+    assert "has a spacing of 0.25 µm, but the option spacing is 0.5 um" in get_error_message(
         path, unit="um", missing="mask", spacing="0.5 um"
     )
 

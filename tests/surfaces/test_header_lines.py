@@ -339,7 +339,7 @@ def test_header_range_that_equals_the_range_of_the_heights_determines_their_unit
     header = f"X Amplitude: 200 nm\nY Amplitude: 140 nm\nZ Amplitude: {np.ptp(MAP):.4f} nm\n"
     reading = read_text(header + MAP_TEXT)
     assert reading.body.heights == pytest.approx(MAP / 1000)
-    assert "declares its heights in nm, but the option gives the unit um" in get_error_message(
+    assert "declares its heights in nm, but the option unit is um" in get_error_message(
         read_text, header + MAP_TEXT, unit="um"
     )
     other_range = header.replace(f"{np.ptp(MAP):.4f}", f"{1.5 * np.ptp(MAP):.4f}")
@@ -475,7 +475,7 @@ def test_third_header_line_after_names_and_units_is_ignored(read_text, third_lin
     np.testing.assert_array_equal(body.heights, PROFILE)
     assert body.spacing == pytest.approx(0.5)
     message = get_error_message(read_text, f"Position;Height\nmm;um\n{third_line}\n{ROWS}", unit=("mm", "nm"))
-    assert "declares its heights in um, but the option gives the unit nm" in message
+    assert "declares its heights in um, but the option unit is nm" in message
 
 
 @pytest.mark.parametrize("row", ["{x};mm;{z};um\n", "{x};mm;{z};µm\n"])
@@ -484,7 +484,7 @@ def test_unit_written_beside_each_number_applies_to_that_number(read_text, row):
     body = read_text(text).body
     np.testing.assert_array_equal(body.heights, PROFILE)
     assert body.spacing == pytest.approx(0.5)
-    assert "but the option gives the unit nm" in get_error_message(read_text, text, unit=("mm", "nm"), columns=(0, 2))
+    assert "but the option unit is nm" in get_error_message(read_text, text, unit=("mm", "nm"), columns=(0, 2))
 
 
 @pytest.mark.parametrize("columns", [None, (0,)])

@@ -188,14 +188,14 @@ def test_units_of_other_quantities_in_the_header_do_not_apply_to_columns(write_f
 
 def test_reader_rejects_options_that_contradict_the_file(write_file):
     path = write_file(TEXTS_BY_FORMAT["brackets, nm"])
-    assert "declares its heights in nm, but the option gives the unit um" in get_error_message(path, unit="um")
+    assert "declares its heights in nm, but the option unit is um" in get_error_message(path, unit="um")
     assert read_profile(path, unit=("um", "nm")).heights.tolist() == HEIGHTS
-    assert "has positions with a spacing of 0.1 µm, but the option gives a spacing of 0.2 um" in get_error_message(
+    assert "has positions with a spacing of 0.1 µm, but the option spacing is 0.2 um" in get_error_message(
         path, spacing="0.2 um"
     )
     assert read_profile(path, spacing="100 nm").spacing == 0.1
     column = write_file(TEXTS_BY_FORMAT["one column"])
-    assert "declares a spacing of 0.1 µm, but the option gives a spacing of 0.3 um" in get_error_message(
+    assert "declares a spacing of 0.1 µm, but the option spacing is 0.3 um" in get_error_message(
         column, spacing="0.3 um"
     )
 
@@ -321,7 +321,7 @@ def test_reading_a_measurement_returns_a_profile_or_a_surface(write_file):
     profile = read_measurement(write_file(TEXTS_BY_FORMAT["brackets, nm"]), spacing=("100 nm", "0.1 um"))
     assert isinstance(profile, Profile)
     assert profile.heights.tolist() == HEIGHTS
-    assert "contains a profile, but the option gives two spacings; give one spacing" in get_error_message(
+    assert "contains a profile, but the option spacing has two lengths; give one spacing" in get_error_message(
         write_file(TEXTS_BY_FORMAT["comma"]), read_measurement, spacing=("1 um", "0.1 um")
     )
     surface = read_measurement(
@@ -375,9 +375,8 @@ def test_matrix_with_positions_in_a_row_or_column_is_rejected(write_file):
 def test_spacing_option_that_disagrees_with_the_header_of_a_matrix_is_rejected(write_file):
     path = write_file("Spacing: 0.5 um\nheights in nm\n1 2 3 0\n4 5 6 0\n", "map.txt")
     assert read_surface(path, spacing=("2 um", "500 nm")).spacing == (2.0, 0.5)
-    assert (
-        "declares a spacing of 0.5 µm, but the option gives a spacing of 2 µm along y and 1 µm along x"
-        in get_error_message(path, read_surface, spacing=("2 um", "1 um"))
+    assert "declares a spacing of 0.5 µm, but the option spacing is 2 µm along y and 1 µm along x" in get_error_message(
+        path, read_surface, spacing=("2 um", "1 um")
     )
 
 
@@ -390,7 +389,7 @@ def test_spacing_is_computed_from_the_size_in_a_gwyddion_header(write_file):
     assert surface.history[1] == "its size is 0.6 µm along x and 480 nm along y (header)"
     # The position 0.600 may stand for 0.6004, but a specified spacing is not rounded.
     assert read_surface(path, spacing=("0.12 um", "0.1501 um")).spacing == (0.12, 0.1501)
-    assert "a size that implies a spacing of 0.15 µm, but the option gives a spacing of 0.16 um" in get_error_message(
+    assert "a size that implies a spacing of 0.15 µm, but the option spacing is 0.16 um" in get_error_message(
         path, read_surface, spacing=("0.12 um", "0.16 um")
     )
 
@@ -599,7 +598,7 @@ def test_units_of_a_text_file_with_an_unknown_file_name_extension_are_read_from_
     text = "x (um),z (nm)\n0,500\n0.1,-250\n0.2,1000\n0.3,125\n0.4,2000\n"
     file_with_unknown_suffix = write_file(text, "scan.v2")
     assert read_profile(file_with_unknown_suffix).heights.tolist() == HEIGHTS
-    assert "declares its heights in nm, but the option gives the unit um" in get_error_message(
+    assert "declares its heights in nm, but the option unit is um" in get_error_message(
         file_with_unknown_suffix, unit="um"
     )
 
@@ -637,7 +636,7 @@ def test_surface_is_unchanged_by_writing_and_reading(tmp_path, name):
         assert np.array_equal(surface_read.heights, surface.heights)
         assert surface_read.spacing == surface.spacing
         assert surface_read.history == (f"read from {name}", "ground", "levelled by a plane")
-    with pytest.raises(FormatError, match="but the option gives a spacing of"):
+    with pytest.raises(FormatError, match="but the option spacing is"):
         read_surface(tmp_path / name, spacing="2 um")
     # The heights of a plane increase in equal steps, but must not be taken for positions.
     plane = Surface(0.1 * np.arange(20.0).reshape(4, 5), spacing=1.0)
@@ -1013,7 +1012,7 @@ def test_measured_stylus_profile_is_read_with_its_header(find_measured_file):
     assert profile.history[2] == "spacing 0.1562454 µm from its positions, declared as 0.156 µm"
     assert np.std(levelled(profile, "line").heights) == pytest.approx(0.0942, abs=5e-5)
     assert read_profile(path, spacing="0.15625 um").extent == 1500.0
-    assert "0.1562454 µm, but the option gives a spacing of 0.156 um" in get_error_message(path, spacing="0.156 um")
+    assert "0.1562454 µm, but the option spacing is 0.156 um" in get_error_message(path, spacing="0.156 um")
 
 
 def test_measured_map_of_an_atomic_force_microscope_is_read(find_measured_file):

@@ -337,7 +337,7 @@ class MapPairs:
         if self.shifts is not None and min(rows, columns) < MIN_PIECE_SIDE_POINTS:
             raise ValueError(
                 f"positions must leave an overlap of at least {MIN_PIECE_SIDE_POINTS} rows and columns, "
-                f"got {max(rows, 0)} by {max(columns, 0)} points"
+                f"got {max(rows, 0)} rows and {max(columns, 0)} columns"
             )
         if min(rows, columns) < MIN_PIECE_SIDE_POINTS:
             raise ValueError(

@@ -108,7 +108,7 @@ def self_affine(
         longest = validate_number("longest_wavelength", longest_wavelength, unit="µm", above=shortest)
     if periodic and longest > extent * ROUND_OFF_FACTOR:
         raise ValueError(
-            f"longest_wavelength of a periodic profile must be at most its extent, {extent:g} µm, "
+            f"longest_wavelength of a periodic profile must be at most the extent of the profile, {extent:g} µm, "
             f"got {short_repr(longest_wavelength)}"
         )
     period = points
@@ -142,8 +142,8 @@ def _validate_hurst_exponent_and_rms(hurst_exponent: Any, rms: Any) -> tuple[flo
 def _check_wave_numbers_are_finite(spacing: Any, smaller_spacing: float) -> None:
     if not math.pi / smaller_spacing < math.inf:
         raise ValueError(
-            f"spacing must be at least {math.pi / sys.float_info.max:.1g} µm, because wave numbers are infinite "
-            f"otherwise, got {short_repr(spacing)}"
+            f"spacing must be at least {math.pi / sys.float_info.max:.1g} µm, because a smaller spacing gives infinite "
+            f"wave numbers, got {short_repr(spacing)}"
         )
 
 

@@ -181,7 +181,7 @@ def to_profile(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
         )
     given, other_spacing = options.spacing
     if given != other_spacing:
-        raise FormatError("contains a profile, but the option gives two spacings; give one spacing")
+        raise FormatError("contains a profile, but the option spacing has two lengths; give one spacing")
     _require_unit_or_spacing(raw, options)
     heights, unit, caveats, height_history = _convert_heights(raw, options)
     dx, steps, spacing_caveats = _determine_profile_spacing(raw, _choose_position_unit(raw, options), given)
@@ -218,7 +218,7 @@ def to_surface(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedS
         declared, tolerance = _find_declared_spacing(raw) or (dx, 0.0)
         if min(abs(declared - dy), abs(declared - dx)) > tolerance:
             raise FormatError(
-                f"declares a spacing of {declared:g} µm, but the option gives a spacing of {dy:g} µm "
+                f"declares a spacing of {declared:g} µm, but the option spacing is {dy:g} µm "
                 f"along y and {dx:g} µm along x"
             )
         _reject_contradicting_spacing(raw, (dy, dx))
@@ -298,13 +298,11 @@ def _resolve_unit(quantity_name: str, declared_unit: str | None, given_unit: str
     if declared_unit is not None and file_unit is None:
         raise FormatError(
             f"has {quantity_name} in {declared_unit!r}, which is not a supported unit of length (m, mm, um, nm, ...); "
-            "convert them first"
+            f"convert the {quantity_name} first"
         )
     caller_unit = None if given_unit is None else parse_length_unit(given_unit)
     if file_unit is not None and caller_unit is not None and LENGTH_UNITS[file_unit] != LENGTH_UNITS[caller_unit]:
-        raise FormatError(
-            f"declares its {quantity_name} in {declared_unit}, but the option gives the unit {given_unit}"
-        )
+        raise FormatError(f"declares its {quantity_name} in {declared_unit}, but the option unit is {given_unit}")
     unit = file_unit if file_unit is not None else caller_unit
     if unit is None:
         raise FormatError(f'does not contain the unit of its {quantity_name}; give the unit, as in "um" (--unit um)')
@@ -470,7 +468,7 @@ def _compute_spacings_from_size(
         tolerance = max(0.51 * declared_size.digit_in_micrometres / num_points, MAX_STEP_UNEVENNESS * spacing)
         if given_spacing is not None and abs(given_spacing - spacing) > tolerance:
             raise FormatError(
-                f"declares a size that implies a spacing of {spacing:.7g} µm, but the option gives a spacing of "
+                f"declares a size that implies a spacing of {spacing:.7g} µm, but the option spacing is "
                 f"{given_spacing.text}"
             )
         spacings.append(spacing if given_spacing is None else float(given_spacing))
@@ -492,9 +490,7 @@ def _determine_profile_spacing(
             return _validate_spacing_agreement(own_spacing, given), [], []
         if declared is not None:
             if given is not None and abs(given - declared[0]) > declared[1]:
-                raise FormatError(
-                    f"declares a spacing of {declared[0]:g} µm, but the option gives a spacing of {given.text}"
-                )
+                raise FormatError(f"declares a spacing of {declared[0]:g} µm, but the option spacing is {given.text}")
             return given if given is not None else declared[0], [], []
         if given is None and (unclear := raw.unclear_spacing) is not None and len(unclear.lengths) == 1:
             text = f"its header line {unclear.line[:80]!r} is used as the distance between points"
@@ -527,7 +523,7 @@ def _determine_profile_spacing(
                 _reject_uneven_positions(x, mean_spacing, resolution)
                 numbering_hint = "".join(f"; {caveat.remedy}" for caveat in raw.caveats if caveat.name == "numbering")
                 raise FormatError(
-                    f"has positions with a spacing of {abs(mean_spacing):.7g} µm, but the option gives a spacing of "
+                    f"has positions with a spacing of {abs(mean_spacing):.7g} µm, but the option spacing is "
                     f"{given.text}{numbering_hint}"
                 )
             return direction * given, [f"spacing {given:.7g} µm (as given; positions agree)"], []
@@ -648,7 +644,7 @@ def _reject_uneven_positions(x: Floats, mean_spacing: float, resolution: _Positi
 
 def _validate_spacing_agreement(file_spacing: float, given: Quantity | None) -> float:
     if given is not None and not abs(file_spacing - given) <= MAX_STEP_UNEVENNESS * abs(file_spacing):
-        raise FormatError(f"has a spacing of {file_spacing:.7g} µm, but the option gives a spacing of {given.text}")
+        raise FormatError(f"has a spacing of {file_spacing:.7g} µm, but the option spacing is {given.text}")
     return file_spacing
 
 

@@ -40,7 +40,7 @@ def parse_header_integer(
     value = parse_header_number(header, name)
     if not (value.is_integer() and minimum <= value <= maximum):
         raise FormatError(
-            f"has {value:g} for {name} in its header; it must be a whole number from {minimum} to {maximum}"
+            f"has {value:g} for {name} in its header; {name} must be a whole number from {minimum} to {maximum}"
         )
     return int(value)
 

@@ -356,7 +356,7 @@ def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[st
             # If all heights are whole numbers, only a number directly above the heights may be their count.
             if leading_number_count == place + 1 or (heights[leading_number_count:] % 1 != 0).any():
                 raise FormatError(
-                    f"begins with {leading_number_count} numbers that are no heights: {heights[place]:.0f} is the "
+                    f"begins with {leading_number_count} numbers that are not heights: {heights[place]:.0f} is the "
                     f"number of heights below; delete the first {leading_number_count} numbers"
                 )
     if width == 1 and heights.size > 6 and heights[0] * heights[1] == heights.size - 2 and min(heights[:2]) > 1:

@@ -214,8 +214,8 @@ def detect_dialect(text: DecodedText, first: int, last: int) -> Dialect:
         if len(Dialect(",", ".").split_line(_find_line_above_table(text, first))) == 2:
             return Dialect(",", ".")
         raise FormatError(
-            f"{text.describe_line(first)} may be two columns, or one column with decimal commas, like all other "
-            'lines; write decimal points, or a header such as "x (um),z (um)"'
+            f"{text.describe_line(first)} and all other lines may be two columns, or one column with decimal "
+            'commas; write decimal points, or a header such as "x (um),z (um)"'
         )
     if dialect.separator == ",":
         dialect = _interpret_commas(text, first, sample, dialect)
@@ -287,7 +287,7 @@ def _interpret_commas(text: DecodedText, first: int, sample: list[str], dialect:
         return Dialect(",", ",", pairs=True)
     if any(len(cell) > 1 and cell.startswith("0") for cell in possible_decimals):
         raise FormatError(
-            f"{text.describe_line(first)} has commas between cells and apparently before decimals; "
+            f"{text.describe_line(first)} has commas that separate cells and probably also decimal commas; "
             "export it with semicolons or tabs, or with decimal points"
         )
     return dialect
