@@ -324,7 +324,7 @@ def _check_closure(test: xr.Dataset) -> None:
     """Raise a `ValueError` if a shear test was stored by an earlier version, without its gap and its closure."""
     if "gap" not in test:
         raise ArgumentError(
-            "the shear test was stored by an earlier version, without its gap and its closure; repeat the test with "
+            "an earlier version of stiction stored this shear test without gap and closure; repeat the test with "
             "{replace}"
         )
 

@@ -170,7 +170,7 @@ def test_caveat_about_the_size_effect_and_contact_hardness_use_the_same_depth():
 
 @pytest.mark.parametrize(("options", "expected_term"), [
     ({"indent": "0 um"}, "indent must be above 0"), ({"indent": "2 GPa"}, "indent"),
-    ({"indent": "2 um", "hardness": None}, "indent needs hardness, because contacts yield only with a hardness$"),
+    ({"indent": "2 um", "hardness": None}, "indent needs hardness, because contacts do not yield without a hardness$"),
     ({"indent": "2 um", "work_of_adhesion": "50 mJ/m^2"}, "indent must not be combined with work_of_adhesion"),
     ({"indent": "1..5 um"}, "indent must be one number with a unit of length, not a range, got '1..5 um'"),
 ])  # fmt: skip

@@ -907,7 +907,9 @@ def test_half_space_solver_converges_although_its_extrapolated_steps_are_very_lo
 def test_half_space_rejects_gaps_far_larger_than_the_length_of_the_bodies(height):
     body = periodic_body((32, 32), shortest=8)
     high_body = Surface(body.heights * (height / np.ptp(body.heights)), spacing=body.spacing)
-    with pytest.raises(ValueError, match=r"gap of at most .* µm \(1e\+06 times their length\), got .* µm"):
+    with pytest.raises(
+        ValueError, match=r"gap .* must be at most .* µm \(1e\+06 times the length of the bodies\), got .* µm"
+    ):
         half_space(flat_like(body), high_body, [0.01])
 
 

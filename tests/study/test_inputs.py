@@ -53,8 +53,8 @@ def test_study_entry_contains_both_the_central_value_and_the_range_of_an_input(s
 
 
 @pytest.mark.parametrize(("changes", "study_key", "reason"), [
-    ({"contact.hardness": "2 GPa (0.2..1.7 GPa)"}, "contact.hardness", "must be a value within the range in brackets"),
-    ({"contact.hardness": "1..2 GPa (0.2..3 GPa)"}, "contact.hardness", "must be a value within the range in brackets"),
+    ({"contact.hardness": "2 GPa (0.2..1.7 GPa)"}, "contact.hardness", "must be one number, followed by a range"),
+    ({"contact.hardness": "1..2 GPa (0.2..3 GPa)"}, "contact.hardness", "must be one number, followed by a range"),
     ({"contact.hardness": "0 GPa"}, "contact.hardness", "must be above 0, got '0 GPa'"),
     ({"contact.hardness": 2.0}, "contact.hardness", "must be a pressure with its unit"),
     ({"contact.hardness": "20 kg"}, "contact.hardness", "unit of pressure .*; HV and HRC are also accepted"),

@@ -31,7 +31,7 @@ def test_stored_study_with_a_key_of_another_contact_model_is_rejected():
     assert error_info.value.faults == (
         (
             "contact.law",
-            'belongs to asperities, not to the half-space of measured areas; it requires mechanics = "asperities"',
+            'belongs to asperities, not to the half-space of measured areas; the key requires mechanics = "asperities"',
         ),
     )  # fmt: skip
 
@@ -58,8 +58,8 @@ def test_contact_models_have_separate_classes_of_contact_settings():
         (
             {"surfaces.generator": "self-affine"},
             "surfaces.generator",
-            "belongs to Weierstrass-Mandelbrot surfaces and self-affine surfaces, not to fractal profiles; it requires "
-            'kind = "surface"',
+            "belongs to Weierstrass-Mandelbrot surfaces and self-affine surfaces, not to fractal profiles; the key "
+            'requires kind = "surface"',
         ),
         ({"contact.law": {"name": "jackson-green"}}, "contact.law.yield_strength", "must be given"),
     ],

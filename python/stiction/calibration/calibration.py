@@ -104,7 +104,7 @@ def calibrate(
         raise ValueError(f"`common` must be at least 0 and below 1, got {short_repr(common)}")
     has_no_error = {test.uncertainty is None for test in tests}
     if len(has_no_error) > 1:
-        raise ValueError("the tests must all have an uncertainty, or none of them")
+        raise ValueError("either all tests or no test must have an uncertainty")
     if True in has_no_error and sum(test.slid for test in tests) < MIN_SLIDING_TESTS:
         raise ValueError(
             f"uncertainty must be given if there are fewer than {MIN_SLIDING_TESTS} tests with sliding, "
@@ -124,7 +124,7 @@ def calibrate(
         available_rules = available_rules[:1]
     rules = available_rules if sliding == "both" else [sliding]
     if not available_rules:
-        raise ValueError("the results of all tests must have coefficients under the same sliding rule")
+        raise ValueError("the results of all tests must have coefficients for the same sliding rule")
     if not set(rules) <= set(available_rules):
         raise ValueError(
             f"sliding must be a rule for which every result has coefficients ({', '.join(available_rules)}), "

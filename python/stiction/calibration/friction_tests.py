@@ -405,7 +405,7 @@ def _interpolate_sums_per_load(curve: FrictionCurve, load: float) -> _FrictionTe
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
         range_text = f"{loads.min():g} to {loads.max():g} mN"
-        raise ValueError(f"load must be within the range of the curve ({range_text}), got {load:g}")
+        raise ValueError(f"load must be within the load range of the curve ({range_text}), got {load:g} mN")
     order = np.argsort(loads)
 
     def interpolate_sum(name: str) -> float:
@@ -436,7 +436,7 @@ def _average_sums_per_load(result: Any, load: float, sliding: SlidingRule) -> _F
             if area
             else ""
         )
-        raise ValueError(f"load must be within the range of the result, got {load:g} mN{hint}")
+        raise ValueError(f"load must be within the load range of the result, got {load:g} mN{hint}")
     adhesive_sums = contact_sums["tangential_adhesive"][is_reached]
     means = {name: values[is_reached].mean() for name, values in contact_sums.items()}
     study = MemberSums.of(result).study

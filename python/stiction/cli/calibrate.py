@@ -106,7 +106,7 @@ def calibrate(
     bodies: dict[str, Any] = {directory.resolve().name: open_result_with_warning(directory) for directory in pair or ()}
     if len(bodies) < len(pair or ()):
         raise ValueError(
-            "the directories given with --pair must have different names, because the column 'pair' contains the names"
+            "the directories given with --pair must have different names, because the column 'pair' lists the names"
         )
     if ball is not None:
         ball_radius = parse_quantity("ball", ball, "length")

@@ -696,8 +696,8 @@ def compute_quantiles(
     if np.isnan(values).any():
         num_undefined = int(np.count_nonzero(np.isnan(values)))
         raise ValueError(
-            f"the inputs are too uncertain, because {num_undefined} of {values.size} samples have no coefficient; "
-            "specify narrower ranges"
+            f"the inputs are too uncertain, because the coefficient is undefined for {num_undefined} of {values.size} "
+            "samples of the inputs; specify narrower ranges of the inputs"
         )
 
     # If samples are infinite, quantiles are not interpolated: an interpolation between two infinite samples gives NaN.

@@ -208,7 +208,9 @@ def stiffness_map(
             f"at least 3 {step_name} are required to compute a stiffness, got {head.sizes.get(step_dimension, 0)}"
         )
     if step_dimension == "load" and any(piece["approach"].isnull().any() for piece in result.pieces(["approach"])):
-        raise ValueError("a free half-plane has no approach and therefore no stiffness; use periodic boundaries")
+        raise ValueError(
+            "a free half-plane has an infinite approach and therefore no stiffness; use periodic boundaries"
+        )
     return _evaluate_ensemble_quantity(result, loads, mu0, tau0, "normal_stiffness")
 
 

@@ -403,8 +403,8 @@ def make_problem(
     max_gap = MAX_GAP_TO_LENGTH_RATIO * max(spacing) * max(gap.shape)
     if not gap.max() <= max_gap:
         raise ValueError(
-            f"the upper and the lower body must have a gap of at most {max_gap:.3g} µm ({MAX_GAP_TO_LENGTH_RATIO:g} "
-            f"times their length), got {gap.max():.3g} µm"
+            f"the gap between the upper and the lower body must be at most {max_gap:.3g} µm "
+            f"({MAX_GAP_TO_LENGTH_RATIO:g} times the length of the bodies), got {gap.max():.3g} µm"
         )
     grids = get_half_space_grids(gap.shape, spacing, effective_modulus, periodic=periodic)
     return HalfSpaceProblem(

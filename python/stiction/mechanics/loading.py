@@ -101,7 +101,8 @@ def approach_at_load(
     model = make_pair_model(upper, lower, contact)
     if model.angles().ndim > 0:
         raise ValueError(
-            f"direction must be a single angle, because F_N depends on it, got {short_repr(model.direction)}"
+            f"direction must be a single angle, because the normal load depends on the direction, "
+            f"got {short_repr(model.direction)}"
         )
     mu0, tau0 = friction.validate_mu0_and_tau0(mu0, tau0, model.effective_modulus)
     approach, _ = find_approaches_at_loads(

@@ -87,8 +87,8 @@ class AsperityTangentialProblem:
     ) -> None:  # fmt: skip
         if isinstance(parse_contact_law(model.law), HertzCylinder):
             raise ValueError(
-                "law must not be HertzCylinder for an onset, because line loads displace distant points without "
-                "limit; use HertzSphere, or half_space with boundary='periodic'"
+                "law must not be HertzCylinder for an onset, because the displacement under a line load is "
+                "unbounded; use HertzSphere, or half_space with boundary='periodic'"
             )
         if len(contacts) == 0:
             raise ValueError("`index` must select an approach at which the bodies touch")

@@ -294,7 +294,7 @@ class Onset(PlotReprMixin):
         is_in_range = (loads >= min_load) & (loads <= self.sliding_load * (1 + LOAD_TOLERANCE))
         if not (is_in_range | (loads == 0)).all():
             raise ValueError(
-                f"amplitude must be between {min_load:g} and {self.sliding_load:g} mN, the sliding load, "
+                f"amplitude must be between {min_load:g} mN and the sliding load, {self.sliding_load:g} mN, "
                 f"got {short_repr(amplitude)}"
             )
         return np.minimum(loads, self.sliding_load)
@@ -437,7 +437,7 @@ def _validate_displacements(displacements: ArrayLike, limit: float) -> Floats:
     min_displacement = MIN_SLIDING_FRACTION * limit
     if not (displacement_array[0] >= min_displacement and displacement_array[-1] <= limit):
         raise ValueError(
-            f"displacements must be between {min_displacement:g} and {limit:g} µm, the displacement at sliding, "
+            f"displacements must be between {min_displacement:g} µm and the displacement at sliding, {limit:g} µm, "
             f"got {short_repr(displacements)}"
         )
     return displacement_array

@@ -314,9 +314,7 @@ def connect_to_cluster(address: str) -> Iterator[Executor]:
                 warnings.warn(message, stacklevel=3)
             yield client.get_executor()
         except distributed.scheduler.KilledWorker as error:
-            raise ClusterError(
-                f"a block of members was not computed, because the worker processes that computed it died: {error}"
-            ) from None
+            raise ClusterError(f"the worker processes died while they computed a block of members: {error}") from None
         except CancelledError:
             message = "the connection to the scheduler was lost; finished blocks are kept, and the same command resumes"
             raise ClusterError(message) from None

@@ -477,8 +477,8 @@ def open_stored_result(path: str | Path) -> StoredResult:
     except FileNotFoundError:
         if (path / SHEAR_TEST_FILE_NAME).exists():
             raise StoreError(
-                f"{printable_path(path)} contains a shear test, which info, plot and report do not read; its values "
-                f"are in shear.csv and {SHEAR_TEST_FILE_NAME}, and stiction export writes them"
+                f"{printable_path(path)} contains a shear test, which info, plot and report do not read; read "
+                f"shear.csv or {SHEAR_TEST_FILE_NAME} in this directory, or export the test with stiction export"
             ) from None
         raise StoreError(f"{printable_path(path)} is not a result, because it contains no {STUDY_FILE}") from None
     except OSError as error:

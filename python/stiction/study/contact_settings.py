@@ -417,12 +417,12 @@ class HalfSpaceSettings(CommonContactSettings):
             )
         if self.area_loss and self.hardness is not None:
             raise make_key_error(
-                "area_loss", "must not be given with a hardness, because shear enlarges contacts that yield"
+                "area_loss", "must not be given with a hardness, because contacts that yield grow under shear"
             )
         if self.yield_exponent is not None and (self.hardness is None or self.adheres):
             raise make_key_error(
                 "yield_exponent",
-                "must not be given without a hardness, because contacts yield only with a hardness"
+                "must not be given without a hardness, because contacts then do not yield"
                 if self.hardness is None
                 else "must not be given if work_of_adhesion is above 0, because the area of adhesive contacts is "
                 "computed by capping pressures at the hardness, without an exponent",

@@ -523,7 +523,10 @@ def _parse_input_value(name: str, source: Any) -> InputValue:
     if match := _CENTRAL_VALUE_PATTERN.fullmatch(source):
         central_input, estimate = (parse_study_input(name, text) for text in match.groups())
         if not central_input.is_exact or estimate.is_exact or not estimate.low <= central_input.value <= estimate.high:
-            raise ValueError(f"must be a value within the range in brackets, got {short_repr(source)}")
+            raise ValueError(
+                "must be one number, followed by a range in parentheses that contains this number, "
+                f"got {short_repr(source)}"
+            )
         return InputValue(central_input.value, estimate, f"{central_input.text} ({estimate.text})")
     estimate = parse_study_input(name, source)
     if UNCERTAINTY_PATTERN.search(source):

@@ -782,7 +782,9 @@ class MeasuredPair:
             return parse_input_value("yield_exponent", DEFAULT_YIELD_EXPONENT) if can_yield else None
         if not can_yield:
             if self._hardness is None:
-                raise ArgumentError("{yield_exponent} needs {hardness}, because contacts yield only with a hardness")
+                raise ArgumentError(
+                    "{yield_exponent} needs {hardness}, because contacts do not yield without a hardness"
+                )
             raise ArgumentError(
                 "{yield_exponent} must not be combined with {work_of_adhesion}, because the area of adhesive contacts "
                 "is computed by capping pressures at the hardness, without an exponent"
@@ -796,7 +798,7 @@ class MeasuredPair:
             return None
         if self._yield_exponent is None:
             if self._hardness is None:
-                raise ArgumentError("{indent} needs {hardness}, because contacts yield only with a hardness")
+                raise ArgumentError("{indent} needs {hardness}, because contacts do not yield without a hardness")
             raise ArgumentError(
                 "{indent} must not be combined with {work_of_adhesion}, because adhesive contacts are computed with "
                 "the measured hardness, without a size effect"
@@ -820,7 +822,7 @@ class MeasuredPair:
         value: Any = self.options.area_loss
         if self._hardness is not None:
             if value is not None:
-                reason = "because shear enlarges contacts that yield"
+                reason = "because contacts that yield grow under shear"
                 raise ArgumentError(f"{{area_loss}} must not be given for bodies with a hardness, {reason}")
             return None
         value = find_default_area_loss(self.elasticity.effective_modulus) if value is None else value

@@ -352,7 +352,7 @@ def check_keys(
             common_keys = sorted(set.intersection(*selectors))
             remedy = " and ".join(f"{name} = {format_toml_value(value)}" for name, value in common_keys)
             reason = f"belongs to {other_sections}, not to {case.place}"
-            raise make_key_error(str(key), f"{reason}; it requires {remedy}" if remedy else reason)
+            raise make_key_error(str(key), f"{reason}; the key requires {remedy}" if remedy else reason)
     for key, field in case.model_fields.items():
         if field.is_required() and key not in section:
             raise make_key_error(key, f"must be given for {case.place}")
