@@ -67,7 +67,7 @@ def test_column_of_positions_is_read_without_a_caveat(tmp_path, name):
 
 
 @pytest.mark.parametrize("name", ["tempo", "Tiempo", "時間", "azimuth", "motor steps", "Dehnung", "shot", "v", ""])
-def test_position_column_with_an_unknown_name_and_no_unit_has_a_caveat_unless_it_is_chosen(tmp_path, name):
+def test_position_column_with_an_unknown_name_and_no_unit_has_a_caveat_unless_chosen_explicitly(tmp_path, name):
     path = write_columns(tmp_path / "a.csv", f"{name};z")
     if name == "motor steps":
         assert "has positions in 'steps'" in get_error_message(path, unit="um")
@@ -156,7 +156,7 @@ def test_codes_for_missing_points_are_reported_with_their_number_of_occurrences(
         ([1.1, 1.1], []),  # a repeated number near the other heights is no code
     ],
 )
-def test_repeated_or_well_known_code_beyond_the_range_of_other_heights_is_reported(tmp_path, codes, reported):
+def test_repeated_or_well_known_missing_value_code_outside_the_range_of_heights_is_reported(tmp_path, codes, reported):
     heights = np.round(np.interp(MAP, (MAP.min(), MAP.max()), (-1, 1)), 4)
     heights[3 : 3 + len(codes), 5] = codes
     reading = read_with_interpretation(write_map(tmp_path / "a.csv", heights), unit="um", spacing="1 mm")

@@ -30,7 +30,7 @@ def get_error_message(path, **options):
 
 
 @pytest.mark.parametrize("suffix", CONTAINERS)
-def test_array_in_a_container_is_read_with_the_orientation_of_an_npy_file(tmp_path, suffix):
+def test_array_in_a_container_is_oriented_like_the_same_array_in_an_npy_file(tmp_path, suffix):
     pytest.importorskip("SurfaceTopography")
     np.save(tmp_path / "map.npy", HEIGHTS)
     options = {"unit": "um", "spacing": ("2 um", "1 um")}
@@ -41,7 +41,7 @@ def test_array_in_a_container_is_read_with_the_orientation_of_an_npy_file(tmp_pa
 
 
 @pytest.mark.parametrize("suffix", CONTAINERS)
-def test_container_with_several_arrays_is_rejected_with_their_names_unless_one_is_chosen(tmp_path, suffix):
+def test_container_with_several_arrays_is_rejected_with_a_list_of_names_unless_an_array_is_chosen(tmp_path, suffix):
     pytest.importorskip("SurfaceTopography")
     x, y = np.meshgrid(np.arange(9.0), np.arange(6.0))
     path = write_arrays(tmp_path / f"map.{suffix}", X=x, Y=y, Z=HEIGHTS)
@@ -54,7 +54,7 @@ def test_container_with_several_arrays_is_rejected_with_their_names_unless_one_i
     "name",
     ["mask", "valid_mask", "x", "branch_indexes", "labels", "phase", "slope_x", "velocity", "current_nA", "amplitude"],
 )
-def test_array_with_a_name_of_another_quantity_is_read_only_if_it_is_chosen(tmp_path, suffix, name):
+def test_array_named_after_another_quantity_is_read_only_if_the_array_is_chosen(tmp_path, suffix, name):
     pytest.importorskip("SurfaceTopography")
     path = write_arrays(tmp_path / f"map.{suffix}", **{name: HEIGHTS})
     assert f"contains the channels 0 ({name}); choose one" in get_error_message(path, spacing="1 um")

@@ -78,7 +78,7 @@ class TestMissingPoints:
         result = filtered(Surface(surface.heights, spacing=surface.spacing, missing=is_missing), cutoff=6.0).heights
         assert np.abs(result - expected)[~is_missing].max() < SAMPLING_TOLERANCE * total_height(surface)
 
-    def test_filter_leaves_heights_of_missing_points_far_from_measured_points_unchanged(self):
+    def test_filter_preserves_heights_at_missing_points_far_from_measured_points(self):
         is_missing = np.zeros(400, bool)
         is_missing[100:300] = True
         profile = Profile(np.linspace(0, 1, 400) ** 2, spacing=1.0, missing=is_missing)

@@ -86,7 +86,7 @@ class TestFractalProfile:
             0, abs=1e-13
         )
 
-    def test_classical_convention_at_dimension_d_equals_paper_convention_at_1_plus_half_d(self):
+    def test_classical_profile_of_dimension_d_equals_paper_profile_of_dimension_1_plus_half_d(self):
         phases = random_phases(4)
         for dimension in (1.0, 1.3, 1.9):
             classical_profile = weierstrass_mandelbrot(
@@ -128,7 +128,7 @@ class TestFractalProfile:
         with pytest.raises(ValueError, match=next(iter(invalid_arguments))):
             weierstrass_mandelbrot(arguments.pop("phases"), arguments.pop("fractal_dimension"), **arguments)
 
-    def test_fractal_surface_rejects_phases_without_directions(self):
+    def test_fractal_surface_rejects_an_array_of_phases_for_zero_directions(self):
         with pytest.raises(ValueError, match="at least one direction"):
             weierstrass_mandelbrot(np.zeros((0, 5)), 1.5, points=100)
 

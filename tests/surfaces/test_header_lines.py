@@ -109,7 +109,7 @@ def test_two_header_spacings_without_axes_are_rejected_unless_both_spacings_are_
 
 
 @pytest.mark.parametrize("line", HEADER_LINES_WITH_TWO_SPACINGS)
-def test_two_spacings_that_name_their_axes_are_assigned_to_these_axes(read_text, line):
+def test_two_header_spacings_with_axis_names_are_assigned_to_these_axes(read_text, line):
     reading = read_text(f"{line}\nZ unit: um\n{MAP_TEXT}")
     assert reading.body.spacings == pytest.approx((10.0, 0.5))
     assert not reading.caveats
@@ -202,7 +202,7 @@ def test_inch_mark_after_a_column_name_is_rejected_as_an_unknown_unit(read_text,
 
 
 @pytest.mark.parametrize("names", ["k/1/um;z/um\n", "elapsed/1/um;z (um)\n", "x 1/um;z um\n"])
-def test_positions_in_a_reciprocal_length_are_rejected(read_text, names):
+def test_positions_in_a_unit_of_reciprocal_length_are_rejected(read_text, names):
     assert "has positions in '1/um', which is not a supported unit of length" in get_error_message(
         read_text, names + ROWS
     )
@@ -264,7 +264,7 @@ def test_unit_option_does_not_replace_an_unknown_header_unit_that_applies_to_all
 
 
 @pytest.mark.parametrize("name", ["height_1e-6m", "z 10⁻⁶ m", "z 10^-6 m", "z_1e-3mm", "z mm/1000", "z.um", "Z - um"])
-def test_power_of_ten_in_a_unit_without_brackets_is_read(read_text, name):
+def test_power_of_ten_is_read_from_a_unit_that_is_not_in_brackets(read_text, name):
     assert read_text(f"x (mm);{name}\n{ROWS}").body.heights == pytest.approx(PROFILE)
 
 
@@ -296,7 +296,7 @@ def test_column_of_raw_heights_without_a_unit_has_a_caveat(read_text, names):
 
 
 @pytest.mark.parametrize("name", ["data points", "z min", "height left", "Channel A", "Profile, left"])
-def test_last_word_of_a_column_name_that_is_no_unit_is_ignored(read_text, name):
+def test_last_word_of_a_column_name_is_ignored_if_the_word_is_no_unit(read_text, name):
     assert read_text(f"x (mm);{name}\n{ROWS}", unit=("mm", "um")).body.heights.tolist() == PROFILE.tolist()
 
 
@@ -307,7 +307,7 @@ def test_unit_with_a_power_of_ten_after_the_column_names_is_read(read_text):
     assert reading.body.heights == pytest.approx(PROFILE)
 
 
-def test_header_with_more_names_than_columns_applies_to_the_first_columns(read_text):
+def test_header_names_beyond_the_number_of_columns_are_ignored(read_text):
     rows = "".join(f"{index / 2000:.4f}\t{z}\n" for index, z in enumerate(PROFILE))
     names = "x (mm)\tslope error (urad)\tx (mm)\tHGT error (nm)\tHGT (um)"
     assert "has heights in 'urad'" in get_error_message(read_text, f"PV (um)\tPV error (nm)\n{names}\n{rows}")
@@ -382,7 +382,7 @@ def test_column_units_in_a_line_separate_from_the_column_names_are_read(read_tex
     assert (reading.unit, reading.body.spacing) == (unit, pytest.approx(0.5))
 
 
-def test_units_between_names_separated_by_blanks_are_read(read_text):
+def test_units_are_read_from_a_header_in_which_blanks_separate_names_and_units(read_text):
     rows = ROWS.replace(";", " ")
     assert read_text(f"DISTANCE mm DEPTH nm\n{rows}").unit == "nm"
     assert "has heights in 'FEET'" in get_error_message(read_text, f"DISTANCE mm DEPTH FEET\n{rows}", unit=("mm", "um"))
@@ -470,7 +470,7 @@ def test_column_names_with_units_in_brackets_are_read_if_separated_by_single_bla
 
 
 @pytest.mark.parametrize("third_line", ["Smp;Avg", ";part a", '"Smp";"Smp"', "part a;part a"])
-def test_third_header_line_after_names_and_units_is_ignored(read_text, third_line):
+def test_header_line_below_the_lines_of_names_and_units_is_ignored(read_text, third_line):
     body = read_text(f"Position;Height\nmm;um\n{third_line}\n{ROWS}").body
     np.testing.assert_array_equal(body.heights, PROFILE)
     assert body.spacing == pytest.approx(0.5)

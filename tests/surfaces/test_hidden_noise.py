@@ -46,7 +46,7 @@ class TestNoiseFloorFit:
         assert fit.level == pytest.approx(1.0, rel=1e-8)
         assert fit.exponents == pytest.approx((2.2,), rel=1e-8)
 
-    def test_fit_of_a_pure_power_law_has_no_significant_noise_floor(self):
+    def test_noise_floor_fitted_to_a_pure_power_law_is_not_significant(self):
         fit = fit_noise_floor([self.create_spectrum(2.2, 0.0)], exponents=(1.0, 5.0))
         assert not fit.is_significant
         assert fit.gain == pytest.approx(0.0, abs=1e-3)
@@ -92,7 +92,7 @@ def test_hidden_white_noise_is_estimated_even_if_the_spectrum_is_not_flat_at_sho
         assert math.sqrt(mean_square_slopes[2] / mean_square_slopes[0]) == pytest.approx(1.0, abs=0.13)
 
 
-def test_estimated_noise_fraction_of_slope_allows_for_unequal_spacings():
+def test_estimated_noise_fraction_of_the_slope_is_correct_if_spacings_along_x_and_y_differ():
     heights, rng = rough_heights(1, 0.5, (128, 256))
     noisy_heights = heights + 0.1 * rng.normal(size=heights.shape)
     noise_on_square_grid, noise_on_stretched_grid = (
@@ -111,7 +111,7 @@ def test_undersampled_surface_is_reported_as_possibly_noisy():
     assert find_hidden_noise(Surface(fine_heights[::4, ::4], spacing=SPACING)).slope_fraction > 0.2
 
 
-def test_hidden_noise_is_not_estimated_for_turned_profiles_with_feed_marks():
+def test_hidden_noise_is_not_estimated_for_lathe_turned_profiles_with_feed_marks():
     heights = turned_surface(np.random.default_rng(1), 1, feed=(25, 25))
     noisy_heights = heights + 0.003 * heights.std() * np.random.default_rng(2).normal(size=heights.size)
     assert find_hidden_noise(Profile(noisy_heights, spacing=SPACING)) is None

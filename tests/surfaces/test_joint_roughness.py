@@ -24,7 +24,7 @@ def test_z2_and_jrc_of_a_ramp_follow_from_its_slope():
     assert roughness.jrc == pytest.approx(32.2 + 32.47 * math.log10(0.2))
 
 
-def test_rising_slope_depends_on_the_sense_of_the_motion_and_z2_does_not():
+def test_rising_slope_but_not_z2_depends_on_the_sense_of_the_motion():
     tooth = create_sawtooth(0.1, 0.3)
     forward_roughness, backward_roughness = (measure_joint_roughness(tooth, angle) for angle in (0, 180))
     assert forward_roughness.rising_slope == pytest.approx(0.1, rel=0.06)
@@ -44,7 +44,7 @@ def test_jrc_is_undefined_if_the_grid_is_too_coarse():
     assert math.isnan(roughness.jrc)
 
 
-def test_map_is_sampled_along_any_direction_without_missing_points():
+def test_map_is_sampled_along_any_direction_and_missing_points_are_excluded():
     y, x = np.mgrid[:80, :80] * 127.0
     plane = Surface(0.2 * x + 0.1 * y, spacing=127.0)
     for angle, slope in ((0, 0.2), (90, 0.1), (270, -0.1), (45, 0.3 / math.sqrt(2))):

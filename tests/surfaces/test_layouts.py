@@ -298,7 +298,7 @@ def read_scan_or_none(path, **options):
 
 @pytest.mark.parametrize("name", EXPORT_FORMATS)
 @pytest.mark.parametrize("encoding", ENCODINGS)
-def test_maps_exported_by_instruments_are_read_exactly_or_rejected_in_every_encoding(tmp_path, name, encoding):
+def test_maps_exported_by_instruments_in_any_encoding_are_read_exactly_or_rejected(tmp_path, name, encoding):
     write, options, variants = EXPORT_FORMATS[name]
     num_accepted = 0
     for variant in variants:
@@ -330,7 +330,7 @@ def test_maps_exported_by_instruments_are_read_exactly_or_rejected_in_every_enco
         {"separator": " ", "comma": False, "head": "# x (µm)  z (µm)"}, {"head": "x;z\nµm;µm"},
     ],
 )  # fmt: skip
-def test_profiles_exported_by_instruments_are_read_exactly_or_rejected_in_any_encoding(tmp_path, variant, encoding):
+def test_profiles_exported_by_instruments_in_any_encoding_are_read_exactly_or_rejected(tmp_path, variant, encoding):
     try:
         file_bytes = profile_text(**variant).encode(encoding)
     except UnicodeEncodeError:
@@ -532,7 +532,7 @@ def test_side_by_side_profiles_are_selected_by_the_columns_option(tmp_path):
         assert read_scan_or_none(path) is None
 
 
-def test_ambiguous_commas_are_rejected_unless_column_names_resolve_them(tmp_path):
+def test_ambiguous_commas_are_rejected_unless_column_names_show_the_number_of_columns(tmp_path):
     lines = [f"{format_number(0.5 * index, True)},{format_number(z, True)}" for index, z in enumerate(LINE_HEIGHTS)]
     path = tmp_path / "a.csv"
     path.write_text("x (um),z (um)\n" + "\n".join(lines))
@@ -541,7 +541,7 @@ def test_ambiguous_commas_are_rejected_unless_column_names_resolve_them(tmp_path
     assert read_scan_or_none(path, unit="um", spacing="0.5 um") is None
 
 
-def test_blocks_of_equal_width_with_titles_are_read_as_channels(tmp_path):
+def test_titled_blocks_of_numbers_with_equal_widths_are_read_as_channels(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("\n".join(["Height", *format_rows(HEIGHTS), "Phase", *format_rows(2 * HEIGHTS)]))
     with pytest.raises(FormatError, match=r"contains the channels 0 \(Height\), 1 \(Phase\); choose one with"):
@@ -550,7 +550,7 @@ def test_blocks_of_equal_width_with_titles_are_read_as_channels(tmp_path):
     assert np.array_equal(body.heights, 2 * HEIGHTS)
 
 
-def test_single_lines_of_numbers_with_titles_are_listed_as_channels(tmp_path):
+def test_single_lines_of_numbers_below_titles_are_listed_as_channels(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text("\n".join(f"Trace {index}\n{line}" for index, line in enumerate(format_rows(HEIGHTS))))
     with pytest.raises(
@@ -744,7 +744,7 @@ def test_positions_that_contradict_the_header_are_rejected(tmp_path, shape, decl
         ("Z conversion scale: 2 nm", 2e-3), ("Height multiplier: 2 nm", 2e-3), ("Z scale (nm/count): 2", 2e-3),
     ],
 )  # fmt: skip
-def test_header_scale_multiplies_heights_only_if_it_describes_a_conversion(tmp_path, line, factor):
+def test_header_scale_multiplies_heights_only_if_the_header_line_describes_a_conversion(tmp_path, line, factor):
     path = tmp_path / "a.txt"
     path.write_text("\n".join([line, *format_rows(HEIGHTS)]))
     if factor is None:
@@ -781,7 +781,7 @@ def test_positions_are_not_read_as_heights_if_the_spacing_is_declared(tmp_path):
         read_measurement(path, unit="um")
 
 
-def test_short_row_above_a_matrix_is_rejected_unless_it_states_the_matrix_size(tmp_path):
+def test_short_row_above_a_matrix_is_rejected_unless_the_row_states_the_matrix_size(tmp_path):
     path = tmp_path / "a.txt"
     for count in (1, 2):
         lines = format_rows(HEIGHTS)
@@ -812,7 +812,7 @@ def test_counts_of_missing_points_are_not_read_as_codes_for_missing_points(tmp_p
     assert np.array_equal(read_scan_or_none(path, **options).missing, np.isnan(HEIGHTS_WITH_HOLES))
 
 
-def test_column_of_undefined_flags_is_rejected(tmp_path):
+def test_column_of_flags_is_rejected_if_its_name_does_not_define_the_flags(tmp_path):
     path, flagged_points = tmp_path / "a.txt", (4, 5, 33)
     for name, flag, is_read in (
         ("flag", 1, False), ("status", 0, False), ("z ok [0/1]", 1, False), ("invalid", 1, True), ("valid", 0, True),
@@ -904,7 +904,7 @@ def test_columns_option_can_exclude_a_column_of_flags_without_a_known_meaning(tm
     [("sdf", "NumPoints = "), ("sdf", "NumProfiles = "), ("wyko", "X Size\t"), ("wyko", "Y Size\t"),
      ("esri", "ncols "), ("esri", "nrows "), ("spip", "# x-pixels = "), ("spip", "# y-pixels = ")],
 )  # fmt: skip
-def test_point_counts_in_headers_that_are_not_whole_numbers_are_rejected(tmp_path, name, header_key, count):
+def test_header_point_counts_that_are_not_whole_numbers_are_rejected(tmp_path, name, header_key, count):
     write, options, _ = EXPORT_FORMATS[name]
     lines = [f"{header_key}{count}" if line.startswith(header_key) else line for line in write().split("\n")]
     (tmp_path / "a.txt").write_text("\n".join(lines))
@@ -1047,7 +1047,7 @@ def test_impossible_length_in_a_header_is_rejected_by_a_message_that_quotes_the_
         read_measurement(tmp_path / "a.txt", unit="um")
 
 
-def test_header_lengths_that_a_profile_does_not_use_may_be_zero(tmp_path):
+def test_header_lengths_that_are_irrelevant_to_a_profile_may_be_zero(tmp_path):
     header = "dx: 0.5 um\ndy: 0 um\nTip radius: 0 um\nUnit: um"
     (tmp_path / "a.txt").write_text("\n".join([header, *(f"{z:.4f}" for z in LINE_HEIGHTS)]))
     profile = read_scan_or_none(tmp_path / "a.txt", spacing="0.5 um")
@@ -1063,7 +1063,7 @@ def test_infinite_code_for_missing_points_matches_only_infinite_heights(tmp_path
 
 
 @pytest.mark.parametrize("name", ["zygo", "triplets"])
-def test_point_listed_twice_is_rejected_unless_its_heights_are_equal(tmp_path, name):
+def test_point_listed_twice_is_rejected_unless_both_heights_are_equal(tmp_path, name):
     write, options, _ = EXPORT_FORMATS[name]
     lines = [line for line in write().splitlines() if line != "#" or name == "triplets"]
     if name == "zygo":

@@ -60,7 +60,7 @@ def read_surface_of_columns(path, columns):
     return surface
 
 
-def test_error_about_a_point_list_with_row_numbers_lists_the_columns_to_choose(tmp_path):
+def test_error_about_row_numbers_in_a_point_list_states_which_columns_to_choose(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text(to_text(np.column_stack([POINT_NUMBERS + 1, X, Y, HEIGHTS.ravel()])))
     assert "(--columns 1,2,3)" in get_error_message(path, **READ_OPTIONS)
@@ -101,7 +101,7 @@ def test_map_of_rounded_heights_is_read(tmp_path, decimals, shape):
 
 
 @pytest.mark.parametrize("rows_below", [1, 3, 15])
-def test_second_matrix_below_an_empty_line_is_not_read_as_rows_of_the_first(tmp_path, rows_below):
+def test_second_matrix_below_an_empty_line_is_not_read_as_rows_of_the_first_matrix(tmp_path, rows_below):
     path = tmp_path / "a.txt"
     path.write_text(to_text(HEIGHTS) + "\n" + to_text(2 * create_map(rows_below, 20, seed=8)))
     message = get_error_message(path, **READ_OPTIONS)
@@ -204,7 +204,7 @@ def test_grid_coordinates_are_found_among_columns_of_other_quantities(tmp_path, 
 
 
 @pytest.mark.parametrize("axis", [0, 1])
-def test_matrix_with_row_or_column_numbers_in_its_last_column_or_row_is_rejected(tmp_path, axis):
+def test_matrix_whose_last_row_or_column_contains_only_index_numbers_is_rejected(tmp_path, axis):
     path = tmp_path / "a.txt"
     heights = create_map(24, 18)
     numbers = np.arange(heights.shape[axis])
@@ -266,7 +266,7 @@ def test_number_that_is_truncated_at_the_end_of_a_profile_has_a_caveat(tmp_path,
 
 
 @pytest.mark.parametrize("form", [".4g", ".0f"])
-def test_short_last_number_has_no_caveat_if_numbers_have_different_or_no_decimals(tmp_path, form):
+def test_short_last_number_has_no_caveat_if_other_numbers_vary_in_decimals_or_have_none(tmp_path, form):
     path = tmp_path / "a.txt"
     path.write_text("\n".join(f"{z * 100:{form}}" for z in [*HEIGHTS.ravel()[:120], 0.5]))
     names = [caveat.name for caveat in read_with_interpretation(path, unit="nm", spacing="0.5 um").caveats]
@@ -319,14 +319,14 @@ def test_rows_of_coordinates_above_a_row_of_heights_are_rejected(tmp_path):
 
 
 @pytest.mark.parametrize("order", ["C", "F"])
-def test_column_of_coordinates_and_then_heights_is_rejected(tmp_path, order):
+def test_single_column_that_lists_coordinates_before_heights_is_rejected(tmp_path, order):
     path = tmp_path / "a.txt"
     columns = [column.reshape(HEIGHTS.shape).ravel(order) for column in (X, Y, HEIGHTS)]
     path.write_text(to_text(np.concatenate(columns)[:, np.newaxis]))
     assert "lists all x, then all y and all z" in get_error_message(path, **READ_OPTIONS)
 
 
-def test_column_of_positions_and_then_heights_is_rejected(tmp_path):
+def test_single_column_that_lists_positions_before_heights_is_rejected(tmp_path):
     path = tmp_path / "a.txt"
     path.write_text(to_text(np.concatenate([np.arange(120) / 2, HEIGHTS.ravel()[:120]])[:, np.newaxis]))
     assert "lists all x and then all z" in get_error_message(path, **READ_OPTIONS)

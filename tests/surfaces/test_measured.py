@@ -1078,7 +1078,7 @@ def measure_peak_memory(call):
 @pytest.mark.parametrize(
     "kind", ['<!DOCTYPE a [<!ENTITY b "SUR">]>', '<!DOCTYPE a SYSTEM "file:///etc/passwd">', "<!DOCTYPE a>"]
 )
-def test_x3p_file_with_a_document_type_declaration_is_rejected_in_any_encoding(write_file, code, kind):
+def test_x3p_file_in_any_encoding_is_rejected_because_of_a_document_type_declaration(write_file, code, kind):
     main = X3P_WITHOUT_CHECKSUM.replace("UTF-8", code[:6]).replace("<p:ISO", kind + "<p:ISO").replace(">SUR<", ">&b;<")
     assert "document type declaration in main" in get_error_message(
         write_file(create_x3p_archive(main.encode(code)), "a.x3p"), read_surface

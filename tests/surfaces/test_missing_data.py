@@ -315,7 +315,7 @@ def test_invalid_mask_is_rejected(mask):
         Profile(np.zeros(4), spacing=1.0, missing=mask)
 
 
-def test_pair_function_rejects_maps_without_a_position_measured_in_both_maps(complete_surface):
+def test_pair_function_rejects_maps_that_share_no_measured_position(complete_surface):
     rows = np.broadcast_to((np.arange(64) % 2 == 0)[:, np.newaxis], (64, 64))
     scan = Surface(complete_surface.heights, spacing=0.1, missing=rows)
     with pytest.raises(ValueError, match="share at least one measured position"):

@@ -33,7 +33,7 @@ class TestLinePairs:
             np.testing.assert_array_equal(upper.heights, -body.heights[row])
             np.testing.assert_array_equal(lower.heights, body.heights[(row + 10) % 30])
 
-    def test_line_pair_of_a_given_number_does_not_depend_on_pairs_created_earlier(self):
+    def test_line_pair_with_a_given_index_does_not_depend_on_pairs_created_earlier(self):
         profile = self_affine(1, hurst_exponent=0.8, rms=0.05, points=400, spacing=0.02)
         pairs = LinePairs(profile, profile, surrogates="both", has_several_pairs=True)
         assert pairs.max_pair_count() is None

@@ -71,7 +71,7 @@ def test_adjacent_crops_joined_together_equal_the_original_profile(points, cut_f
     assert np.array_equal(cropped(profile, 0, profile.extent).heights, profile.heights)
 
 
-def test_cropped_profile_starts_at_the_next_grid_point():
+def test_cropped_profile_starts_at_the_first_grid_point_in_the_given_range():
     profile = Profile(np.arange(10.0), spacing=0.1)
     assert cropped(profile, 0.15, 0.65).heights.tolist() == [2, 3, 4, 5, 6]
     assert cropped(profile, 0.3, 0.7).heights.tolist() == [3, 4, 5, 6]

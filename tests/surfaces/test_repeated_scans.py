@@ -81,7 +81,7 @@ def test_comparison_of_repeated_scans_recovers_noise_of_any_spectrum(dimensions,
     assert noise_slope / (scan_spectrum @ filtered_slope_weights) == pytest.approx(0.1, rel=0.15)
 
 
-def test_comparison_of_repeated_scans_reports_noise_that_a_cutoff_of_two_points_removes():
+def test_comparison_of_repeated_scans_reports_noise_and_recommends_a_cutoff_of_two_spacings():
     options = {"longest_wavelength": 60.0, "shortest_wavelength": 2.0, "hurst_exponent": 0.8, "rms": 0.25}
     clean_profile = self_affine(97, points=8000, spacing=0.25, **options)
     rng = np.random.default_rng(1)

@@ -33,7 +33,9 @@ class TestRoughnessParameters:
         assert result.Pku == pytest.approx(1.5, rel=ROUND_OFF)
 
     @pytest.mark.parametrize(("derivative", "order", "factor"), [("neighbours", 2, 24), ("seven-point", 6, 140)])
-    def test_numerical_slope_of_a_sinusoid_has_the_error_of_its_difference_formula(self, derivative, order, factor):
+    def test_numerical_slope_of_a_sinusoid_has_the_error_predicted_for_its_difference_formula(
+        self, derivative, order, factor
+    ):
         exact_slope = 2 * np.pi / WAVELENGTH * AMPLITUDE / np.sqrt(2)
         for n in (16, 32):
             # Use a long sinusoid, because six of its points have no seven-point slope.
@@ -54,7 +56,7 @@ class TestRoughnessParameters:
         assert result.Pa / result.Pq == pytest.approx(np.sqrt(2 / np.pi), rel=0.02)
 
     @pytest.mark.parametrize("factor", [1e-45, 1e45])
-    def test_roughness_parameters_of_height_and_slope_scale_with_the_heights(self, factor):
+    def test_height_and_slope_parameters_scale_with_the_heights_but_skewness_and_kurtosis_do_not(self, factor):
         profile = rough_profile()
         original_parameters, scaled_parameters = (
             roughness_parameters(profile),

@@ -251,7 +251,7 @@ class TestMachinedTexture:
         assert sum(limit.matters for limit in limits) <= 1
 
     @pytest.mark.parametrize("feed", [10, 25, 60])
-    def test_feed_marks_of_a_turned_profile_are_detected(self, feed):
+    def test_feed_marks_of_a_lathe_turned_profile_are_detected(self, feed):
         heights = turned_surface(np.random.default_rng(1), 1, feed=(feed, feed))
         assert instrument_limit(make_body(heights)).period == pytest.approx(0.1 * feed, rel=0.01)
 
@@ -282,7 +282,7 @@ class TestMachinedTexture:
             heights = filtered_noise(np.random.default_rng(seed), (2048,), hurst)
             assert math.isnan(instrument_limit(make_body(heights)).period)
 
-    def test_origin_of_noise_on_a_turned_profile_is_unknown_without_declared_texture(self):
+    def test_origin_of_noise_on_a_lathe_turned_profile_is_unknown_unless_the_texture_is_declared(self):
         rng = np.random.default_rng(3)
         heights = turned_surface(rng, 1, feed=(40, 40), rough=0.02, depth_variation=0.0)
         noisy_body = make_body(heights + 0.05 * heights.std() * rng.normal(size=heights.size))
@@ -357,7 +357,7 @@ class TestNoiseOfAnisotropicMap:
         )
         assert filtered_slope == pytest.approx(clean_slope, rel=0.04)
 
-    def test_noise_fraction_of_the_slope_includes_noise_that_roughness_across_the_grooves_hides(self):
+    def test_noise_fraction_of_the_slope_includes_noise_hidden_by_roughness_across_the_grooves(self):
         rng = np.random.default_rng(4)
         heights = filtered_noise(rng, (192, 192), 0.8, longest_wavelength=60, stretch=30.0)
         noise = 0.03 * rng.normal(size=heights.shape)

@@ -183,7 +183,7 @@ class TestSettingClass:
         )
 
     @pytest.mark.parametrize("points_per_cutoff", [4, 5, 5.84])
-    def test_s_filter_of_a_spiked_profile_equals_the_mean_line_at_short_cutoffs(self, points_per_cutoff):
+    def test_s_filter_at_short_cutoffs_gives_the_mean_line_of_a_spiked_profile(self, points_per_cutoff):
         heights = ground_profile(points=900).heights.copy()
         heights[::61] -= 2.0
         ls = 0.5 * points_per_cutoff

@@ -43,7 +43,7 @@ class TestSelfAffineProfile:
             fine_profile = rough_profile(points=4000, spacing=0.0025, periodic=periodic, **options)
             assert np.allclose(fine_profile.heights[::4], coarse_profile.heights, rtol=0, atol=ROUND_OFF)
 
-    def test_profile_end_continues_at_the_start_only_if_the_profile_is_periodic(self):
+    def test_end_of_a_profile_joins_its_start_only_if_the_profile_is_periodic(self):
         def compute_relative_end_jump(profile):
             return abs(profile.heights[0] - profile.heights[-1]) / np.abs(np.diff(profile.heights)).max()
 
