@@ -245,7 +245,7 @@ def test_interval_interpolated_between_height_factors_contains_the_direct_soluti
     assert width[1] > 1.01 * (width[0] + width[2]) / 2
 
 
-def test_height_factors_are_missing_only_if_interpolation_requires_them():
+def test_search_for_missing_height_factors_finds_only_factors_that_interpolation_requires():
     assert find_missing_factors(np.array([0.5, 1.0]), np.array([0.5, 1.0])).size == 0
     assert find_missing_factors(np.array([1.2]), np.array([1.0, 1.41421])).size == 0
     assert find_missing_factors(np.array([1.2]), np.array([1.0, 2.0])).tolist() == [1.2]

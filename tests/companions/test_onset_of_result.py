@@ -236,7 +236,7 @@ def test_onset_text_states_the_sliding_rule_of_the_onset_if_the_interface_has_an
 @pytest.mark.parametrize(
     ("law", "is_stated"), [({}, False), ({"law": "jackson-green", "yield_strength": "1 GPa"}, True)]
 )
-def test_onset_text_states_that_the_stiffness_is_not_that_of_another_contact_law(law, is_stated):
+def test_onset_text_states_that_the_stiffness_is_hertzian_if_the_contact_law_is_not(law, is_stated):
     bodies = [
         self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(48, 48), spacing=0.1, side=side)
         for side in ("upper", "lower")
@@ -295,7 +295,7 @@ def test_pair_function_replaces_an_onset_table_of_an_earlier_call(tmp_path):
     assert file.read_text("utf-8") == scaled_csv
 
 
-def test_fitted_iwan_and_lugre_models_are_scaled_with_the_tangential_load(onset):
+def test_scaling_an_onset_scales_the_iwan_sliding_load_but_not_the_fitted_stiffnesses(onset):
     coefficient = Estimate(0.5, 0.4, 0.7, kind="combined")
     scaled_onset = scale_onset(onset, coefficient)
     factor = 1.0 / float(onset["sliding_load"].sel(statistic="mean"))  # the load is 2 mN

@@ -335,7 +335,7 @@ def test_energy_minimum_under_tension_is_an_equilibrium_and_exists_only_up_to_pu
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_energy_minimization_finds_the_contact_of_a_slow_iteration_with_fewer_iterations(monkeypatch, boundary):
+def test_energy_minimization_finds_the_same_contact_as_slow_iteration_in_fewer_iterations(monkeypatch, boundary):
     bodies, adhesion_options = create_rough_bodies(0.1, 5e-5, points=64, modulus=2e-3, spacing=0.2, length=0.1001)
 
     def solve(max_solves):
@@ -456,7 +456,7 @@ def test_work_of_loading_and_unloading_equals_the_change_in_energy(case):
 
 
 @pytest.mark.soak
-def test_random_adhesive_contacts_converge_and_few_of_their_pull_off_forces_are_only_bounds():
+def test_random_adhesive_contacts_converge_and_few_pull_off_forces_are_only_lower_bounds():
     """Solve 200 random pairs with E* from 1 MPa to 200 GPa and w from 1 mJ/m² to 1 J/m².
 
     Some of them have a hardness.

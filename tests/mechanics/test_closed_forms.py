@@ -132,7 +132,7 @@ class TestWeierstrassMandelbrotMoments:
             moment_sums / count, [exact_moments.height, exact_moments.slope, exact_moments.curvature], rtol=0.05
         )
 
-    def test_exact_spectral_moments_depend_on_fractal_dimension_convention_and_shortest_wavelength(self):
+    def test_exact_spectral_moments_depend_on_the_dimension_convention_and_the_shortest_wavelength(self):
         paper_moments = weierstrass_mandelbrot_moments(1.6)
         classical_moments = weierstrass_mandelbrot_moments(1.2, convention="classical")
         assert classical_moments.height == pytest.approx(paper_moments.height, rel=REORDERING_TOLERANCE)

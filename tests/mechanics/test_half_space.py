@@ -147,7 +147,7 @@ def test_pressures_with_a_bound_at_each_point_agree_with_a_dense_matrix_calculat
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_half_space_solver_converges_for_bounded_flats_up_to_the_largest_permitted_load(boundary):
+def test_half_space_solver_with_bounded_pressures_converges_for_flats_up_to_the_maximum_load(boundary):
     """Solve a flat with equal bounds up to the largest load that the bounds permit.
 
     With a periodic boundary all points move equally. With a free boundary the traction is that of a punch.
@@ -913,7 +913,7 @@ def test_half_space_rejects_gaps_far_larger_than_the_length_of_the_bodies(height
         half_space(flat_like(body), high_body, [0.01])
 
 
-def test_onset_method_rejects_zero_mu0_and_tau0():
+def test_onset_method_rejects_mu0_and_tau0_that_are_both_zero():
     body = periodic_body((32, 32), shortest=8)
     with pytest.raises(ValueError, match="must not both be 0"):
         half_space(flat_like(body), body, [0.01]).onset(0, mu0=1e-160)

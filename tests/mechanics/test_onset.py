@@ -585,7 +585,7 @@ def test_energy_loss_equals_the_area_of_the_hysteresis_loop(bodies_and_curve):
         assert load.min() == pytest.approx(-load_fraction * onset.sliding_load)
 
 
-def test_onset_of_sliding_accepts_sphere_and_elastic_plastic_laws_for_profiles():
+def test_onset_of_sliding_of_profiles_can_be_computed_with_sphere_and_elastic_plastic_laws():
     bodies = [
         weierstrass_mandelbrot(random_phases(3, side=side), 1.2, points=20_000).with_amplitude(0.1)
         for side in ("upper", "lower")

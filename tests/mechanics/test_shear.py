@@ -280,7 +280,7 @@ def test_shear_interval_has_no_upper_limit_if_more_than_2_5_percent_of_the_sampl
     assert result.attrs["peak_upper"] == np.inf
 
 
-def test_shear_peak_interval_extends_from_the_peak_for_the_lowest_to_that_for_the_highest_hardness():
+def test_limits_of_the_shear_peak_interval_are_the_peaks_at_the_lowest_and_highest_hardness():
     options = {"path": "100 um", "steps": 4, "mu0": 0.6, "boundary": "periodic"}
     result = run_shear_test(create_rough_map(), hardness="50..400 MPa", **options)
     soft_result, hard_result = (
@@ -371,7 +371,7 @@ def test_shear_test_accepts_materials_and_interfaces_like_the_pair_function():
 
 
 @pytest.mark.usefixtures("all_input_samples")
-def test_shear_interval_contains_a_reduced_fraction_of_the_samples_of_the_fit_with_tau0_zero():
+def test_shear_interval_includes_a_reduced_fraction_of_samples_from_the_fit_with_zero_tau0():
     random = np.random.default_rng(2)
     film = interface("MoS2 on bearing steel, dry air")
     tau0 = 1e-9 * random.normal(2.0, 1.0, 8000)  # GPa, too small to affect the coefficient
@@ -396,7 +396,7 @@ def test_interval_of_the_peak_displacement_includes_the_neighbouring_steps():
     assert upper >= float(result.displacement[peak + 1])
 
 
-def test_dilation_angle_has_no_interval_if_no_uncertain_input_affects_it():
+def test_dilation_angle_has_no_interval_if_no_uncertain_input_affects_the_angle():
     options = {"path": "200 um", "steps": 8, "mu0": "0.58..0.62"}
     result = run_shear_test(create_rough_map(), hardness="200 MPa", **options)
     assert result.attrs["peak_lower"] < result.attrs["peak_upper"]
@@ -613,7 +613,7 @@ def test_gap_of_registered_faces_has_the_rms_gap_of_the_registration():
     assert rms_gap < 0.05 * result.attrs["rms_gap_before_registration_um"]
 
 
-def test_gap_of_profiles_and_missing_points_of_maps_are_those_of_the_faces():
+def test_shear_gap_of_profiles_is_a_profile_and_shear_gap_of_maps_keeps_missing_points():
     profile = create_sawtooth(400)
     assert isinstance(shear_gap(run_shear_test(profile, path="5 um", steps=1, mu0=0.5)), Profile)
     lower = create_rough_map()
@@ -658,7 +658,7 @@ def test_stiffness_of_closure_is_proportional_to_modulus_and_stress():
     np.testing.assert_allclose(results[1]["closure_stiffness"], 2 * results[0]["closure_stiffness"], rtol=1e-5)
 
 
-def test_intervals_of_the_closure_contain_the_tests_at_the_limits_of_the_modulus():
+def test_limits_of_the_closure_interval_are_the_closures_at_the_limits_of_the_modulus():
     lower = create_rough_map()
     upper = create_mate(lower.changed(lower.heights + create_noise(lower.heights.shape), "rough"))
     options = {"path": "50 um", "steps": 1, "mu0": 0.6, "load": "1 MPa", "strips": 0}
@@ -672,7 +672,7 @@ def test_intervals_of_the_closure_contain_the_tests_at_the_limits_of_the_modulus
         np.testing.assert_allclose(limits, [np.min(values, axis=0), np.max(values, axis=0)], rtol=0.02)
 
 
-def test_shear_test_with_a_hardness_range_that_cannot_carry_the_load_has_open_intervals():
+def test_shear_intervals_are_unbounded_if_the_lowest_hardness_cannot_carry_the_load():
     lower = create_rough_map()
     upper = create_mate(lower.changed(lower.heights + create_noise(lower.heights.shape), "rough"))
     options = {"path": "50 um", "steps": 1, "mu0": 0.6, "load": "2 MPa", "strips": 0}

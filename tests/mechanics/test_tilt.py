@@ -26,7 +26,7 @@ def compute_resultant_offset(curve, index, missing=None):
 
 @pytest.mark.parametrize("hardness", [None, 0.4])
 @pytest.mark.parametrize("has_holes", [False, True])
-def test_free_tilt_centres_the_force_and_preserves_stiffness_as_the_derivative_of_the_load(hardness, has_holes):
+def test_free_tilt_centres_the_force_and_gives_a_stiffness_equal_to_the_derivative_of_the_load(hardness, has_holes):
     upper, lower = create_rough_surfaces(3)
     is_missing = np.zeros(lower.heights.shape, bool)
     if has_holes:

@@ -263,7 +263,7 @@ def test_area_interval_of_a_yielding_pair_includes_the_result_for_tip_corrected_
     assert tip_caveat.severity == "caution"
 
 
-def test_recommendation_of_a_scan_without_spikes_ignores_a_wide_interval_but_no_other_fault(spiked_result):
+def test_scan_without_spikes_is_recommended_unless_its_result_has_a_fault_besides_a_wide_interval(spiked_result):
     point = replace(spiked_result.summary().first, caveats=())
     expected_text = most_useful_measurement_text(point)
     assert expected_text.startswith("With a scan without spikes")
@@ -355,7 +355,7 @@ def test_assessment_of_a_pair_with_spikes_includes_the_faults_of_its_result_with
     assert same_point.caveats == point.caveats
 
 
-def test_scan_sharpened_by_one_times_the_tip_correction_equals_the_tip_reconstruction(blunt_tip_scans):
+def test_scan_sharpened_by_the_full_tip_correction_equals_the_tip_reconstruction(blunt_tip_scans):
     scan = levelled(blunt_tip_scans[0], "plane")
     reconstruction, _ = tip_reconstructed(scan, TIP_RADIUS)
     np.testing.assert_allclose(sharpened(scan, TIP_RADIUS, 1.0).heights, reconstruction.heights, atol=1e-12)

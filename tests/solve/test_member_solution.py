@@ -57,7 +57,7 @@ def test_unloading_stiffness_of_yielding_bodies_is_computed_only_for_the_first_p
     np.testing.assert_array_equal(stiffness["unloading_stiffness"], stiffness["normal_stiffness"])
 
 
-def test_slope_statistics_of_a_pair_do_not_store_the_slopes():
+def test_slope_statistics_of_a_pair_use_less_memory_than_the_slopes():
     upper, lower = rough_maps(points=128)
     tracemalloc.start()
     slopes = PairSlopeStatistics.from_pair(upper, lower)

@@ -244,7 +244,7 @@ def test_progress_of_the_solution_of_a_pair_is_printed_without_a_terminal(study,
     assert any(line.endswith(" left") for line in lines)
 
 
-def test_steps_of_other_solver_code_have_another_key(tmp_path, monkeypatch):
+def test_key_of_stored_load_steps_changes_with_the_solver_code(tmp_path, monkeypatch):
     key = members_in_progress.compute_steps_key("study")
     modules = Path(members_in_progress.mechanics.__file__).parent
     shutil.copytree(modules, tmp_path / "mechanics", ignore=shutil.ignore_patterns("__pycache__"))

@@ -143,7 +143,7 @@ def test_pairs_that_are_solved_quickly_are_stored_in_four_blocks_of_equal_size(m
         assert runner.choose_block_size(with_repetitions(total, RUNNER_STUDY)) == total // 4
 
 
-def test_run_of_a_study_with_impossible_gamma_raises_value_error():
+def test_run_of_a_study_with_an_impossible_frequency_ratio_gamma_raises_value_error():
     with pytest.raises(ValueError, match="gamma"):
         run(RUNNER_STUDY.with_changes({"surfaces.gamma": 100.0}))
 

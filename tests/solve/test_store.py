@@ -86,7 +86,7 @@ def test_stored_result_equals_the_computed_dataset(tmp_path, uninterrupted_datas
     assert info.size == sum(file.stat().st_size for file in (path / BLOCKS_DIRECTORY).iterdir())
 
 
-def test_stored_result_without_a_quantity_of_newer_versions_can_be_read(tmp_path):
+def test_stored_result_that_lacks_a_quantity_added_in_a_newer_version_can_be_read(tmp_path):
     study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path), members=2)
     expected = run(study, store=tmp_path / "r").dataset
     file = find_block_file(tmp_path / "r", 0)
@@ -147,7 +147,7 @@ def test_storing_a_result_preserves_all_bits_of_values_at_loads_without_solution
         assert stored_arrays[name].tobytes() == values.tobytes(), name
 
 
-def test_block_is_encoded_only_after_another_thread_has_imported_the_packages():
+def test_encoding_a_block_waits_until_another_thread_has_imported_the_packages():
     """Check the lock, because an import of xarray in two threads at the same time fails now and then."""
     arrays = {name: np.ones(spec.shape, spec.dtype) for name, spec in layout.variable_specs(TINY_STUDY, [0]).items()}
     with ThreadPoolExecutor(1) as pool:

@@ -133,7 +133,7 @@ def test_moduli_are_separate_uncertain_inputs_if_only_one_body_is_given_by_a_mat
     assert inputs.entries["young_upper"].text == "209 GPa (207..212 GPa)"
 
 
-def test_ratio_of_effective_modulus_to_its_central_value_follows_young_modulus_samples_of_both_bodies():
+def test_effective_modulus_relative_to_its_central_value_follows_both_sampled_young_moduli():
     inputs = Inputs.from_study(STUDY)
     samples = {name: inputs.quantile(name, [0.025, 0.975]) for name in ("young_upper", "young_lower")}
     lower, upper = inputs.relative_modulus(samples)
@@ -228,7 +228,7 @@ def study_file(tmp_path_factory):
     ("friction.tau0", '"20..30 MPa"', "τ0 = 24.5 MPa (20..30 MPa), ", "τ0"),
 ])  # fmt: skip
 @pytest.mark.usefixtures("disable_figures", "omit_companion_files")
-def test_study_entry_set_on_the_command_line_appears_in_output_and_budget(
+def test_study_entry_set_on_the_command_line_appears_in_output_and_uncertainty_budget(
     study_file, tmp_path, monkeypatch, study_key, entry, text, label
 ):
     # Print nothing, because `info` would print the result.

@@ -142,7 +142,7 @@ def test_caveats_in_an_interface_file_apply_to_pairs_with_this_interface(tmp_pat
     assert result.assessment != "Quote it"
 
 
-def test_result_marks_the_coefficient_for_the_other_sliding_rule_than_that_of_its_interface(
+def test_coefficient_is_marked_if_the_interface_was_calibrated_for_the_other_sliding_rule(
     result, opposing_result
 ) -> None:
     remark = ", for which the interface was not calibrated"
@@ -154,9 +154,7 @@ def test_result_marks_the_coefficient_for_the_other_sliding_rule_than_that_of_it
     assert remark not in repr(pair(*rough_surfaces(), mu0=0.2, tau0="50 MPa", **PAIR_OPTIONS))
 
 
-def test_result_with_an_interface_that_is_not_separated_reports_only_the_sum_of_the_contributions(
-    tmp_path, result
-) -> None:
+def test_contributions_of_mu0_and_adhesion_are_summed_if_the_interface_does_not_separate_them(tmp_path, result) -> None:
     film = replace(interface(result.study.friction.interface.file), separated=False)
     write_interface(film, tmp_path / "sum")
     unseparated_result = pair(*rough_surfaces(), interface=tmp_path / "sum", **PAIR_OPTIONS)
@@ -261,7 +259,7 @@ def test_mu0_and_tau0_have_independent_ranges_if_the_interface_file_is_missing(f
     assert "which is missing" in completed.stdout
 
 
-def test_result_whose_study_contains_intervals_of_an_older_version_keeps_the_joint_distribution(tmp_path) -> None:
+def test_result_with_mu0_and_tau0_intervals_of_an_older_version_keeps_the_joint_distribution(tmp_path) -> None:
     test = FrictionTest(Ball("5 mm", "3 GPa"), 100.0, coefficient=0.4, uncertainty=0.02)
     write_interface(calibrate([test]), tmp_path / "film")
     options = {"interface": tmp_path / "film", "directory": tmp_path / "r", **PAIR_OPTIONS}
@@ -377,7 +375,7 @@ def test_calibration_functions_reject_arguments_of_wrong_types(film_file) -> Non
             function()
 
 
-def test_pair_command_for_a_different_study_and_interface_keeps_the_stored_interface_file(film_file, tmp_path) -> None:
+def test_rejected_pair_call_for_another_study_leaves_the_stored_interface_file_unchanged(film_file, tmp_path) -> None:
     film = interface(film_file)
     first_result = pair(*rough_surfaces(), interface=film, directory=tmp_path / "r", **PAIR_OPTIONS)
     content = (tmp_path / "r" / "interface.csv").read_bytes()
@@ -389,7 +387,7 @@ def test_pair_command_for_a_different_study_and_interface_keeps_the_stored_inter
     assert first_result.interval == open_result(tmp_path / "r").interval
 
 
-def test_pair_creates_no_directory_if_more_positions_are_requested_than_the_maps_have(tmp_path) -> None:
+def test_pair_function_creates_no_directory_if_too_many_positions_are_requested(tmp_path) -> None:
     with pytest.raises(ValueError, match=r"the maps have \d+ relative positions"):
         pair(*rough_surfaces(), mu0=0.2, directory=tmp_path / "r", **PAIR_OPTIONS | {"shifts": 400_000})
     assert not (tmp_path / "r").exists()
@@ -421,7 +419,7 @@ def test_message_about_a_reserved_key_of_an_interface_file_quotes_all_reserved_k
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_coverage_at_zero_falls_from_95_percent_to_zero_with_the_density_at_zero(seed) -> None:
+def test_coverage_at_a_bound_of_zero_decreases_with_the_density_of_samples_at_zero(seed) -> None:
     random = np.random.default_rng(seed)
     assert compute_coverage_at_bound(random.random(4000)) > 0.9
     assert compute_coverage_at_bound(np.abs(random.normal(0, 1, 4000))) > 0.93
@@ -440,7 +438,7 @@ def test_interval_of_a_nonnegative_number_contains_95_to_98_percent_of_its_sampl
     assert 0.945 < np.mean((low <= samples) & (samples <= high)) < 0.98
 
 
-def test_interface_file_contains_the_fits_with_mu0_or_tau0_at_zero(tmp_path) -> None:
+def test_interface_file_contains_the_fits_in_which_mu0_or_tau0_is_zero(tmp_path) -> None:
     test = FrictionTest(Ball("5 mm", "3 GPa"), 100.0, coefficient=0.4, uncertainty=0.02)
     strength = calibrate([test])
     write_interface(strength, tmp_path / "film")
@@ -461,7 +459,7 @@ def test_interface_file_contains_the_fits_with_mu0_or_tau0_at_zero(tmp_path) -> 
     assert old.at(1.0) == pytest.approx(strength.at(1.0), rel=0.02)
 
 
-def test_interface_file_without_the_counted_rows_is_reported_as_damaged(tmp_path) -> None:
+def test_interface_file_with_fewer_rows_than_its_stated_count_is_reported_as_damaged(tmp_path) -> None:
     test = FrictionTest(Ball("5 mm", "3 GPa"), 100.0, coefficient=0.4, uncertainty=0.02)
     write_interface(calibrate([test]), tmp_path / "film")
     text = (tmp_path / "film").read_text().replace("rows with mu0 = 0: 4000", "rows with mu0 = 0: 400000")

@@ -85,7 +85,7 @@ def test_measured_bodies_are_filtered_only_once_for_all_threads(tmp_path):
             assert all(members is first_members for members in other_members)
 
 
-def test_nominal_area_of_a_measured_pair_reuses_the_bodies_prepared_for_the_load_limit(tmp_path, monkeypatch):
+def test_nominal_area_of_a_measured_pair_is_computed_without_preparing_the_bodies_again(tmp_path, monkeypatch):
     spacing = write_maps(tmp_path)
     pressed_bodies = []
     monkeypatch.setattr(members_module, "estimate_roughness_drift", lambda body: pressed_bodies.append(body) or 0.0)

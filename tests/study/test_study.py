@@ -266,7 +266,7 @@ class TestStudyKinds:
             (MEASURED_LINE_STUDY, (*SUM_QUANTITIES, "approach"), "load", ["cut_off"]),
         ],
     )
-    def test_kind_of_a_study_determines_contact_sums_and_dimensions_and_whether_steps_are_loads(
+    def test_kind_of_a_study_determines_contact_sums_and_step_quantity_and_cell_coordinates(
         self, study, sums, step, cells
     ):
         assert (study.contact_sum_names(), study.step_quantity, list(study.surfaces.cell_coordinates())) == (
