@@ -62,7 +62,7 @@ def test_studies_for_the_claims_have_the_settings_of_the_paper():
         assert (variant == claims.variant_study("default")) == (not changes)
 
 
-def test_first_resampled_ensemble_has_the_maps_of_the_original_ensemble(result, resampled_means):
+def test_first_resampled_ensemble_has_friction_and_area_and_stiffness_of_the_original_ensemble(result, resampled_means):
     load = resampled_means.middle_load
     for quantity, tau0, expected in (
         ("friction", 0.0, friction_map(result, [load], mu0=[0.4], tau0=[0.0])["friction_coefficient"]),
@@ -319,7 +319,7 @@ def test_verdict_by_confidence_bands_is_undefined_if_friction_is_finite_at_few_f
         judge_claims(create_result(), interval_method="means")
 
 
-def test_verdict_is_undefined_if_most_of_the_range_of_a_claim_lacks_values():
+def test_verdict_is_undefined_if_friction_is_undefined_at_most_fractal_dimensions_of_a_claim():
     # Friction is self-locked where the normal load is negative, which is at all D above 1.45.
     sum_functions = {"normal_frictional": lambda d, a, f: np.where(d > 1.45, -5.0, 0.0) * f}
     outcomes_by_name = {outcome.part.name: outcome for outcome in judge_claims(create_result(**sum_functions))}
@@ -328,7 +328,7 @@ def test_verdict_is_undefined_if_most_of_the_range_of_a_claim_lacks_values():
     assert outcomes_by_name["2a"].verdict != "undefined"
 
 
-def test_judging_claims_rejects_studies_with_too_few_values():
+def test_judging_claims_rejects_studies_with_too_few_repetitions_or_approaches_or_amplitudes():
     for change, match in (
         ({"ensemble.repetitions": 19}, "20 ensemble.repetitions"),
         ({"contact.approach": ["1 nm", "2 nm"]}, "3 values of contact.approach"),

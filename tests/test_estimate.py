@@ -50,7 +50,7 @@ def test_missing_interval_of_an_estimate_is_stated_only_in_tables():
     assert (estimate.text(), estimate.table_text) == ("0.5", "0.5 no interval")
 
 
-def test_interval_is_printed_as_its_limits_joined_by_the_word_to():
+def test_printed_interval_has_the_word_to_between_its_limits():
     assert str(Interval(0.0413, 0.188)) == "0.04 to 0.19"
     assert str(Interval(0.2192, 0.2213)) == "0.219 to 0.221"
     assert str(Interval(0.2, math.inf)) == "0.2 to ∞"
@@ -67,7 +67,7 @@ def test_unit_prefix_of_an_estimate_is_determined_by_its_value():
     assert [Estimate(value).in_prefixed_unit("mN").unit for value in (math.nan, 0.0, 2e-6)] == ["mN", "mN", "nN"]
 
 
-def test_extended_estimate_includes_both_intervals_and_ignores_missing_limits():
+def test_estimate_extended_to_another_estimate_includes_both_intervals_if_both_exist():
     estimate = Estimate(0.2, 0.1, 0.3)
     assert estimate.extended_to(Estimate(0.25, 0.15, 0.4)) == Estimate(0.2, 0.1, 0.4)
     assert estimate.extended_to(Estimate(0.25)) == estimate
@@ -78,7 +78,7 @@ def test_extending_an_estimate_without_interval_adds_no_interval():
     assert not Estimate(0.2).extended_to(Estimate(0.3, 0.25, 0.4)).has_interval
 
 
-def test_interval_of_estimates_is_extended_to_the_outermost_limits_of_other_intervals():
+def test_interval_is_extended_to_the_outermost_limits_of_several_other_intervals():
     own_intervals = [[1.0, 2.0], [np.nan, np.nan], [1.0, np.inf]]
     extended = extend_intervals(own_intervals, [[0.5, 1.5]] * 3, [[np.nan, 3.0], [1.0, 2.0], [2.0, 4.0]])
     np.testing.assert_array_equal(extended, [[0.5, 3.0], [np.nan, np.nan], [0.5, np.inf]])

@@ -149,7 +149,7 @@ def test_python_block_of_a_page_can_be_pasted_into_an_interactive_prompt(page):
 
 
 @parametrize_pages(PAGE_FILES)
-def test_hidden_code_cell_starts_with_a_comment_that_it_only_serves_the_built_page(page):
+def test_hidden_code_cell_starts_with_a_comment_that_the_cell_serves_only_the_built_page(page):
     for block in find_code_blocks(page):
         options = re.match(NOTEBOOK_CELL_OPTIONS, block.text)
         if block.kind in LANGUAGES_RUN_BY_DOCS_BUILD and options and re.search("remove-(cell|input)", options[0]):
@@ -377,9 +377,7 @@ def test_commands_of_readme_work_in_order_in_a_fresh_clone(clone_after_readme):
 @pytest.mark.docs
 @pytest.mark.timeout(900)
 @parametrize_pages([page for page in LITERAL_PAGES if page.name != "README.md" and has_code(page)])
-def test_commands_of_index_and_tutorials_work_in_a_clone_in_which_readme_was_followed(
-    page, clone_after_readme, tmp_path
-):
+def test_commands_of_index_and_tutorials_work_after_the_commands_of_the_readme(page, clone_after_readme, tmp_path):
     clone, _ = clone_after_readme
     shutil.copytree(clone, tmp_path / "clone", symlinks=True)
     readme_blocks = [block for block in find_code_blocks(ROOT / "README.md") if block.kind == "sh"]
@@ -508,7 +506,7 @@ def test_page_about_friction_tests_shows_the_output_of_its_commands(tmp_path, mo
 
 
 @pytest.mark.skipif(not DEV_SCRIPT.exists(), reason="the script dev is not in this tree")
-def test_usage_text_of_dev_lists_all_commands():
+def test_usage_text_of_the_dev_script_lists_all_commands():
     commands = set(re.findall(r'^    "(\w+)": ', DEV_SCRIPT.read_text(encoding="utf-8"), re.MULTILINE))
     assert commands == list_dev_commands()
 

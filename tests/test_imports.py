@@ -255,7 +255,7 @@ def test_help_of_a_command_loads_numpy_only_for_pair_options(command, dependenci
     assert dependencies_by_command[command, "--help"] <= allowed_dependencies
 
 
-def test_studies_command_loads_no_modules_for_tables_or_figures_or_readers(dependencies_by_command):
+def test_studies_command_loads_no_packages_that_write_tables_or_draw_figures_or_read_scans(dependencies_by_command):
     assert dependencies_by_command["studies",] <= ALLOWED_DEPENDENCIES | DEPENDENCIES_IMPORTED_BY_HELP
 
 
@@ -375,7 +375,7 @@ def test_command_group_lists_every_command_and_finds_its_module():
 
 
 @pytest.mark.parametrize("directory", ["python", "tests", "benchmarks", "docs", "examples"])
-def test_docstrings_do_not_start_with_the_preposition_of(directory):
+def test_no_docstring_has_of_as_its_first_word(directory):
     """Check that no docstring starts with "Of". Each must be understandable without the line above it."""
     paths = sorted((Path(__file__).parent.parent / directory).rglob("*.py"))
     assert [path for path in paths if re.search(r'^ *"""Of ', path.read_text("utf-8"), re.MULTILINE)] == []

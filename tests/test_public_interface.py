@@ -310,7 +310,7 @@ def test_contacts_method_of_a_result_returns_contacts_of_the_most_typical_pair_b
         function_result.contacts("10 nm")
 
 
-def test_contacts_of_a_generated_result_equal_those_computed_directly():
+def test_contacts_of_a_pair_in_a_generated_result_equal_contacts_computed_directly():
     small_study_changes = {"ensemble.repetitions": 3, "surfaces.points": 3000, "surfaces.fractal_dimension": [1.1, 1.4]}
     study = stiction.Study.named("quick").with_changes(small_study_changes)
     result = stiction.run(study).contacts(1e-3, members=[0, 1])
@@ -378,7 +378,7 @@ def test_conversion_to_a_surface_rejects_unsuitable_objects(lower):
             Surface.from_(invalid_object)
 
 
-def test_message_about_a_missing_unit_starts_with_the_argument_of_pair(lower):
+def test_message_about_a_missing_unit_starts_with_the_argument_name_of_the_pair_function(lower):
     array = lower.to_xarray().drop_attrs()
     with pytest.raises(ValueError, match=r"^first must have a unit of length along y \(m, "):
         stiction.pair(array, array, load="10 MPa", effective_modulus="100 GPa", mu0=0.3)

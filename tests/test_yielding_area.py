@@ -59,13 +59,13 @@ def area_ratios(script):
     return {name: np.array(values) for name, values in result.items()}
 
 
-def test_area_at_pressures_limited_to_the_hardness_is_too_small_for_yielding_contacts(area_ratios):
+def test_limiting_pressures_to_the_hardness_underestimates_the_area_of_yielding_contacts(area_ratios):
     assert area_ratios["pressure cap"].min() < 0.8
     assert area_ratios["pressure cap"].max() < 1.05
     assert np.abs(area_ratios["pressure cap"] - 1).mean() > 0.1
 
 
-def test_area_by_the_onset_of_yield_formula_agrees_with_finite_elements(area_ratios):
+def test_yield_onset_formula_for_contact_area_agrees_with_finite_elements(area_ratios):
     deviation = np.abs(area_ratios["from onset"] - 1)
     cap_deviation = np.abs(area_ratios["pressure cap"] - 1)
     assert deviation.mean() < MAX_MEAN_DEVIATION
@@ -74,12 +74,12 @@ def test_area_by_the_onset_of_yield_formula_agrees_with_finite_elements(area_rat
     assert deviation.mean() < np.abs(area_ratios["power"] - 1).mean()
 
 
-def test_area_by_the_onset_of_yield_formula_has_elastic_and_plastic_limits(script):
+def test_yield_onset_formula_for_contact_area_has_elastic_and_plastic_limits(script):
     assert script.combine_from_onset(np.array(2.0), np.array(0.9), 1.25) == 2.0
     assert script.combine_from_onset(np.array(1.0), np.array(1e4), 1.25) == pytest.approx(1e4, rel=0.1)
 
 
-def test_coarse_finite_elements_give_the_elastic_area_and_a_larger_area_than_limited_pressures(script, tmp_path):
+def test_coarse_finite_elements_give_the_elastic_area_and_exceed_the_area_at_limited_pressures(script, tmp_path):
     if script.CCX is None:
         pytest.skip("CalculiX (ccx) is not installed")
 

@@ -60,13 +60,13 @@ def areas_by_map(script):
     }
 
 
-def test_area_at_pressures_limited_to_the_hardness_is_too_small_for_yielding_maps(areas_by_map):
+def test_limiting_pressures_to_the_hardness_underestimates_the_contact_area_of_yielding_maps(areas_by_map):
     ratios = np.concatenate([case.capped / case.true for case in areas_by_map.values()])
     assert ratios.max() < 0.92
     assert 0.75 < ratios.mean() < 0.85
 
 
-def test_area_by_the_onset_of_yield_formula_agrees_with_elastic_plastic_solutions(script, areas_by_map):
+def test_yield_onset_formula_for_contact_area_agrees_with_elastic_plastic_solutions(script, areas_by_map):
     deviations = np.concatenate([case.deviations(script.combine_from_onset, 1.25) for case in areas_by_map.values()])
     assert np.abs(deviations).mean() < 0.06
     assert abs(deviations.mean()) < 0.04

@@ -258,7 +258,7 @@ def test_form_has_a_field_for_each_option_of_the_pair_command(empty_page):
     assert [value for name, value in options if name == "accept"] == ["whole-numbers", ""]
 
 
-def test_scan_caveat_disappears_after_the_option_that_it_names_is_set_in_the_form(empty_page, tmp_path):
+def test_scan_caveat_disappears_after_the_option_named_in_the_caveat_is_set_in_the_form(empty_page, tmp_path):
     heights = np.round(np.random.default_rng(0).standard_normal((32, 32)) * 20)
     heights[3, 4:20] = -9999
     np.savetxt(tmp_path / "map.txt", heights, fmt="%d")
@@ -334,7 +334,7 @@ def test_late_response_does_not_replace_newer_progress_of_a_job(empty_page):
     assert -1 not in empty_page.execute_async_script(script)
 
 
-def test_page_shows_the_assessment_itself_if_a_job_has_no_report(empty_page):
+def test_page_shows_the_assessment_of_a_job_that_has_no_report(empty_page):
     rule = {"rule": "all", "text": "0.31 [0.28, 0.34]", "coefficient": Estimate(0.31, 0.28, 0.34).to_record()}
     record = {"at": {}, "rules": [rule], "assessment": "Quote it", "caveats": [], "sentence": ""}
     job = {"number": 99, "title": "a pair", "state": "running", "finished": 4, "total": 8, "by": "so far", "words": ""}
@@ -707,7 +707,7 @@ def test_app_uses_the_asperity_model_by_default_for_profiles_without_hardness(
     assert read_displayed_result(empty_page) == run_shown_command(empty_page, tmp_path, monkeypatch)
 
 
-def test_profile_preview_and_fractal_dimension_follow_changes_of_the_form(empty_page):
+def test_profile_preview_and_result_use_the_fractal_dimension_entered_in_the_form(empty_page):
     empty_page.find_element("css selector", "#made > summary").click()
     image_address_script = "return document.getElementById('profile').src"
     previous_address = wait_until(lambda: empty_page.execute_script(image_address_script), bool)

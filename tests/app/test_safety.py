@@ -168,7 +168,7 @@ def test_server_rejects_jobs_that_the_page_does_not_offer(app, options):
         ("junction-growth", "a", '"junction growth" must be a number'),
     ],
 )
-def test_invalid_entry_is_reported_with_its_option_before_a_job_is_added(app, map_scans, option, text, reason):
+def test_invalid_form_entry_is_reported_with_its_option_name_and_adds_no_job(app, map_scans, option, text, reason):
     num_jobs = len(app.list_jobs())
     options = {"upper": "brass", "load": "1 MPa", "mu0": "0.2", "tau0": "20 MPa"} | {option: text}
     response = app.post_json("/jobs", {"command": "pair", "options": list(options.items()), **map_scans})

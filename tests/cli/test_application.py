@@ -36,7 +36,7 @@ def test_run_command_finishes_even_if_its_output_pipe_is_closed(tmp_path):
     assert (completed.returncode, completed.stderr) == (0, "")
 
 
-def test_output_to_a_full_device_is_reported_and_unencodable_characters_are_replaced(tmp_path):
+def test_full_output_device_is_reported_and_unencodable_characters_are_replaced(tmp_path):
     for arguments in (["materials"], ["--help"]):
         completed = run_shell_script('"$@" > /dev/full', *arguments, cwd=tmp_path)
         assert_rejected(completed, "stiction: ", "No space left on device")
@@ -230,7 +230,9 @@ with cli.exit_on_interrupt():
     ("can_start_thread", "status", "message"),
     [(True, 130, "stiction: interrupted\n"), (False, 2, "stiction: no thread can be started; the number of ")],
 )
-def test_interrupt_signal_is_reported_as_a_thread_limit_only_if_no_thread_can_start(can_start_thread, status, message):
+def test_interrupt_signal_is_reported_as_a_thread_limit_error_only_if_threads_cannot_start(
+    can_start_thread, status, message
+):
     """OpenBLAS raises this signal if it cannot start its threads."""
     script = INTERRUPT_SCRIPT.format(can_start_thread=can_start_thread)
     completed = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=60)

@@ -146,7 +146,7 @@ def test_calibrate_command_warns_about_a_ball_loaded_beyond_yield(tmp_path):
     assert "may exceed the yield limit" in completed.stderr
 
 
-def test_caveat_about_a_yielding_ball_states_pressures_and_the_load_above_which_to_omit_tests(tmp_path):
+def test_caveat_about_a_yielding_ball_states_pressures_and_the_maximum_load_of_usable_tests(tmp_path):
     materials = {"upper_material": "PMMA", "lower_material": "glass"}
     ball = Ball("1 mm", **materials)
     yield_limit = 0.39 * ball.elasticity.hardness
@@ -202,9 +202,7 @@ def test_calibrate_command_reports_caveats_and_lay_of_the_tested_pairs(tmp_path)
     ]
 
 
-def test_calibrate_command_requests_uncertainties_if_tests_without_them_were_fitted_with_both_sliding_rules(
-    two_finishes_directory,
-):
+def test_calibrate_command_requests_missing_uncertainties_if_both_sliding_rules_were_fitted(two_finishes_directory):
     rows = ["load (mN),coefficient,pair", *(f"{load},0.2{load},ground" for load in (1, 2, 3))]
     (two_finishes_directory / "no_errors.csv").write_text("\n".join(rows))
     for options, is_requested in (((), True), (("--sliding", "all"), False)):

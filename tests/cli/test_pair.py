@@ -251,7 +251,7 @@ def test_hardness_by_jackson_and_green_equals_2_84_times_the_yield_strength(scan
     assert law_by_hardness.poisson_ratio == 0.3
 
 
-def test_load_steps_extend_beyond_the_requested_loads_unless_the_hardness_limits_them(scans_directory):
+def test_load_steps_extend_beyond_the_requested_loads_unless_the_hardness_limits_the_load(scans_directory):
     steps = parse_study(scans_directory, *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION).contact.loading_steps()
     assert steps[[0, -1]] == pytest.approx([0.02 / 30, 0.02 * 30])
     assert 0.02 in steps

@@ -85,7 +85,7 @@ def spectra_directory(tmp_path_factory, surfaces, spectra):
 # ---- Computed pairs ------------------------------------------------------------------------------------------------
 
 
-def test_surrogates_from_spectra_have_these_spectra_and_equal_phases_at_all_cutoffs(spectra):
+def test_surrogates_generated_from_spectra_have_these_spectra_and_the_same_phases_at_every_cutoff(spectra):
     pairs = SurfacePairsFromSpectra(*spectra)
     assert pairs.spacing[0] == pytest.approx(min(spectrum.shortest for spectrum in spectra) / 4)
     assert pairs.shape[0] * 4 == pytest.approx(3 * pairs.side_length / pairs.spacing[0], abs=4)

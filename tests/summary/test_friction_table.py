@@ -190,7 +190,7 @@ def test_table_command_writes_the_same_table_as_the_library(tmp_path):
     assert "μ0 = 0.1," in check_stiction("info", "table", cwd=tmp_path).stdout
 
 
-def test_at_command_accepts_pressures_for_a_table_and_prints_assessments(tmp_path):
+def test_at_command_accepts_a_pressure_as_load_for_a_friction_table_and_prints_assessments(tmp_path):
     check_stiction("table", *COMMAND_OPTIONS, "--mu0", "0.2", cwd=tmp_path)
     by_pressure, by_force = (
         check_stiction("at", "table", "--load", load, cwd=tmp_path).stdout for load in ("5 MPa", "0.5 mN")

@@ -32,7 +32,7 @@ def table():
     return table
 
 
-def test_number_of_pairs_in_a_mean_over_directions_is_that_of_the_direction_with_the_fewest_pairs(table):
+def test_mean_over_directions_reports_the_pair_count_of_the_direction_with_the_fewest_pairs(table):
     num_solved = evaluate_report(table).num_solved
     assert num_solved[0, 0, 0, :, 0, 0, 0].tolist() == [16, 16, 32, 48, 64]
 

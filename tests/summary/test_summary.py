@@ -170,7 +170,7 @@ def test_summary_of_a_result_without_contact_raises_the_same_error_on_every_call
     assert len(traceback_lengths) == 1  # the traceback of an error must not contain frames of earlier calls
 
 
-def test_summary_at_the_values_of_the_study_equals_the_default_summary(surface_directory, call_counts):
+def test_summary_at_explicitly_given_study_inputs_equals_the_default_summary(surface_directory, call_counts):
     """Compare the summary at default values with the summary at the same values given explicitly."""
     result = open_result(surface_directory / "pair")
     default_summary = result.summary()
@@ -203,7 +203,7 @@ def test_summary_at_another_mu0_has_input_caveats_and_the_combined_interval_at_t
     assert set(expected_caveats) <= {caveat.text for caveat in point.caveats}
 
 
-def test_means_of_values_per_pair_equal_the_mean_values_of_the_result(surface_directory, call_counts):
+def test_mean_of_friction_coefficients_of_single_pairs_equals_the_reported_mean(surface_directory, call_counts):
     result = open_result(surface_directory / "pair")
     members = result.at("20 MPa", per_member=True)
     means = result.at("20 MPa")

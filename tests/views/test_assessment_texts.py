@@ -73,14 +73,14 @@ def test_summary_of_generated_surfaces_has_only_the_coefficient_for_opposing_con
     assert "elastic" not in inputs_text(points[0])
 
 
-def test_summary_has_a_point_for_every_combination_of_load_mu0_and_tau0():
+def test_summary_has_one_result_point_for_each_combination_of_load_mu0_and_tau0():
     points = summarize(measured_result(loads=(1.0, 10.0), mu0=(0.2, 0.3), tau0=(0.0, 0.05)), measured_study()).points
     assert [(point.at["load"], point.at["mu0"], point.at["tau0"]) for point in points] == [
         (load, mu0, tau0) for load in (1.0, 10.0) for mu0 in (0.2, 0.3) for tau0 in (0.0, 0.05)
     ]
 
 
-def test_summary_has_a_point_for_every_cutoff():
+def test_summary_has_one_result_point_for_each_cutoff():
     points = summarize(measured_result(cut_offs=(0.0, 0.5)), measured_study()).points
     assert ["low-pass filtered at 500 nm" in quotable_sentence(point) for point in points] == [False, True]
 
@@ -523,7 +523,7 @@ def test_friction_range_for_finer_scans_is_omitted_if_the_result_has_a_fault():
     assert not any("finer scan" in sentence for sentence in point_detail_sentences(point))
 
 
-def test_friction_range_for_finer_scans_starts_at_the_coefficient_if_it_is_below_the_plastic_limit():
+def test_friction_range_for_finer_scans_starts_at_a_coefficient_below_the_plastic_limit():
     lower, upper = (
         summarize(measured_result(all_contacts=0.22, half_width_ratio=0.01), measured_study(hardness=2.0))
         .points[0]
@@ -585,7 +585,7 @@ def test_results_of_generated_surfaces_have_caveats_about_few_contacts_and_zero_
         (measured_study().with_changes({"surfaces.surrogates": 2}), "members"),
     ],
 )
-def test_caveats_use_the_same_word_for_members_as_the_study(study, members):
+def test_caveats_name_pairs_or_positions_by_the_same_word_as_the_study(study, members):
     expected_texts = {
         ("half_width_ratio", np.nan): "the coefficient has no interval; an interval "
         f"requires at least 3 different {members}",

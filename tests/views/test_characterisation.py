@@ -50,7 +50,7 @@ def get_texts_by_label(text):
 
 
 class TestCharacterisationText:
-    def test_characterisation_text_of_a_profile_contains_the_values_of_the_library(self, profile):
+    def test_characterisation_text_of_a_profile_agrees_with_library_results(self, profile):
         texts, estimate = get_texts_by_label(characterisation_text(profile)), estimate_hurst_exponent(profile)
         parameters = roughness_parameters(profile)
         assert texts["Pa"] == f"{1000 * parameters.Pa:.4g} nm"
@@ -69,8 +69,10 @@ class TestCharacterisationText:
         assert "given" in texts["fitted band"]
         assert "periodic" in texts["spectrum"]
 
-    def test_characterisation_text_has_no_hurst_exponent_without_a_band_and_rejects_invalid_input(self, profile):
+    def test_characterisation_text_of_a_profile_without_self_affine_band_has_no_hurst_exponent(self):
         assert "none" in get_texts_by_label(characterisation_text(PROFILE_WITHOUT_BAND))["Hurst exponent H"]
+
+    def test_characterisation_text_function_rejects_invalid_input(self, profile):
         with pytest.raises(ValueError, match="band"):
             characterisation_text(profile, band=(1.0, 1.001))
         for heights, expected_message in (([1.0] * 20, "flat"), ([0.0, 1.0, 0.0, 1.0], "7 points")):
@@ -86,7 +88,7 @@ class TestCharacterisationText:
         assert get_texts_by_label(characterisation_text(Profile(heights, spacing=0.01)))["Pq"] == expected_text
 
 
-def test_instrument_limit_is_called_negligible_if_its_fraction_of_the_slope_is_small(profile):
+def test_instrument_limit_is_called_negligible_if_shorter_wavelengths_contribute_little_slope(profile):
     noise = np.random.default_rng(1).normal(size=len(profile))
     smooth_heights = cut_off(profile, 0.3).heights
     for rms, expected_words in ((1e-5, "negligible, "), (1e-4, "unreliable below")):
@@ -280,9 +282,7 @@ def surface_characterisation(surface):
     return Characterisation(surface)
 
 
-def test_characterisation_text_and_figure_of_a_surface_show_the_values_of_the_library(
-    surface, surface_characterisation
-):
+def test_characterisation_text_and_figure_of_a_surface_agree_with_library_results(surface, surface_characterisation):
     text = characterisation_text(surface_characterisation)
     texts, parameters, estimate = (
         get_texts_by_label(text),

@@ -479,7 +479,7 @@ def test_force_arrows_stay_inside_the_frame_of_the_contact_figure(create_circula
     save_figure(contact_forces_figure(forces), tmp_path / "contact.png")
 
 
-def test_conversion_to_inline_svg_draws_a_figure_with_constrained_layout_only_once(monkeypatch):
+def test_inline_svg_conversion_draws_a_constrained_layout_figure_only_once(monkeypatch):
     draw, num_draws = Figure.draw, 0
 
     def count_draws(figure, renderer):

@@ -403,7 +403,7 @@ def test_spherical_map_adds_a_caveat_unless_its_form_is_removed():
 
 @pytest.mark.parametrize("angle", [0, 37, 90, 141])
 @pytest.mark.parametrize("tilt", [0, 0.01])
-def test_step_of_a_map_adds_a_caveat_with_its_height_unless_the_map_is_cropped(angle, tilt):
+def test_height_step_in_a_map_adds_a_caveat_with_the_step_height_unless_cropped_away(angle, tilt):
     y, x = np.indices((256, 256)) - 128
     across = x * np.cos(np.radians(angle)) + y * np.sin(np.radians(angle))
     heights = 0.025 * short_wave_map(2) + 2.0 * (across > 20) + tilt * x
@@ -414,7 +414,7 @@ def test_step_of_a_map_adds_a_caveat_with_its_height_unless_the_map_is_cropped(a
     assert form_texts(Surface(one_side, spacing=0.5)) == []
 
 
-def test_step_of_a_profile_adds_a_caveat_with_its_height():
+def test_height_step_in_a_profile_adds_a_caveat_with_the_step_height():
     heights = 0.025 * short_wave_map(3)[7]
     (text,) = form_texts(Profile(heights + 2.0 * (np.arange(heights.size) > 90), spacing=0.5))
     assert text.startswith("a step of 2")
@@ -429,7 +429,7 @@ def test_height_step_in_a_map_with_missing_points_adds_a_caveat():
 
 
 @pytest.mark.parametrize("kind", ["Gaussian", "turned", "turned roughly", "milled", "ground", "honed"])
-def test_maps_without_form_error_and_height_steps_have_no_caveat_about_them(kind):
+def test_maps_without_form_error_and_height_steps_have_no_caveat_about_form_or_steps(kind):
     for seed in range(10):
         heights = (
             short_wave_map(seed, 128) if kind == "Gaussian" else MACHINED_SURFACES[kind](np.random.default_rng(seed), 2)
@@ -466,7 +466,7 @@ def test_faces_that_fit_better_when_mirrored_add_a_caveat_with_both_gaps_and_a_r
     assert find_mirror_caveats(Surface(matching_face[::-1, ::-1], spacing=2.0), lower, rotate=180) == []
 
 
-def test_faces_that_do_not_match_or_have_given_positions_add_no_caveat_about_mirroring():
+def test_faces_add_no_mirroring_caveat_if_they_do_not_match_or_their_positions_are_given():
     upper, lower = (Surface(short_wave_map(seed, 96), spacing=2.0) for seed in (7, 8))
     assert find_mirror_caveats(upper, lower) == []
     matching_face = Surface(flipped(lower).heights[::-1], spacing=2.0)

@@ -81,7 +81,7 @@ def pair_table(tmp_path_factory):
     return latex_table(result.summary())
 
 
-def test_latex_table_lists_pressures_below_a_caption_with_materials_and_input_ranges_and_positions(pair_table):
+def test_latex_table_lists_pressures_and_its_caption_states_materials_input_ranges_and_positions(pair_table):
     header, *rows = parse_table_cells(pair_table)
     column = header.index("$F_N/A_0$ (MPa)")
     assert [row[column] for row in rows] == ["20", "60"]

@@ -39,7 +39,7 @@ def test_formatted_paragraphs_are_separated_by_empty_lines(monkeypatch):
     ]  # fmt: skip
 
 
-def test_parts_of_a_split_table_omit_rows_that_are_empty_in_their_columns():
+def test_split_table_omits_rows_from_parts_in_which_these_rows_are_empty():
     rows = [["", "first", "second"], ["", "", "(unit)"], ["row", "1" * 12, "2" * 12]]
     assert format_table(rows, 20).splitlines() == [
         "     first", "row  " + "1" * 12, "     second", "     (unit)", "row  " + "2" * 12

@@ -44,7 +44,7 @@ def test_report_is_limited_in_size_and_contains_its_licence(generated_dataset):
     assert len(text.encode()) < 250_000 + 6 * 20 * num_cells * NUM_REPORT_LOADS * num_pairs
 
 
-def test_report_of_a_result_that_is_too_large_is_rejected(monkeypatch, generated_dataset, maps_dataset):
+def test_result_that_is_too_large_for_a_report_is_rejected(monkeypatch, generated_dataset, maps_dataset):
     monkeypatch.setattr("stiction.views.report.result.MAX_REPORT_VALUES", {True: 100, False: 79})
     with pytest.raises(ReportError, match=r"at most 79 .* choose fewer fractal dimensions, amplitudes or directions"):
         report_page(generated_dataset)

@@ -43,7 +43,7 @@ def test_missing_area_fraction_has_a_status_that_follows_from_the_contact_status
     assert np.isfinite(rows["value"]).tolist() == [True, False]
 
 
-def test_data_frame_of_values_contains_all_numeric_variables():
+def test_data_frame_of_a_result_contains_every_numeric_variable():
     dataset = measured_result(**MULTI_VALUE_ARGUMENTS)
     rows = values_frame(dataset)
     numeric_names = [name for name, table in dataset.data_vars.items() if table.dtype.kind in "if"]
@@ -70,7 +70,7 @@ def test_table_of_values_states_the_kind_of_each_interval():
         assert set(rows.loc[["contact_count"], "kind"]) == {"mean"}
 
 
-def test_data_frame_of_values_contains_the_status_of_each_value():
+def test_data_frame_of_a_result_contains_the_status_of_each_value():
     dataset = measured_result(loads=(1.0, 10.0))
     dataset["status"].loc[{"load": 10.0}] = "not-reached"
     dataset["friction_coefficient"].loc[{"load": 10.0}] = np.nan

@@ -84,7 +84,7 @@ def test_nominal_area_is_printed_in_a_unit_that_suits_its_size(area, text):
     assert nominal_area_text(area) == text
 
 
-def test_verbose_tables_by_axis_and_direction_label_their_intervals_as_intervals_of_the_mean():
+def test_intervals_in_verbose_direction_tables_are_labelled_as_intervals_of_the_mean():
     dataset = measured_result()
     text = result_text(summarize(dataset, measured_study()), verbose=True)
     tables = text.split("\n\n")
@@ -139,7 +139,7 @@ def test_caveat_that_applies_to_some_loads_states_the_number_of_these_loads():
     assert "edge (1 of 2)" in " ".join(text.split())
 
 
-def test_assessment_lists_a_remedy_only_if_it_would_change_the_printed_interval():
+def test_assessment_lists_a_remedy_only_if_the_remedy_would_change_the_printed_interval():
     point = summarize(measured_result(), measured_study()).points[0]
     cases = (
         ((0.205, 0.215), True),
@@ -240,7 +240,7 @@ def test_overview_has_one_row_for_each_combination_of_parameters_and_marks_inval
 
 
 @pytest.mark.parametrize("shorten", [{"max_lines": 1}, {"max_groups": 1}])
-def test_shortened_caveat_list_contains_all_faults_and_counts_other_caveats(shorten):
+def test_shortened_caveat_list_contains_all_faults_and_the_number_of_other_caveats(shorten):
     faults = [Caveat(f"fault {name}", "repair it", "fault") for name in "ab"]
     cautions = [Caveat(f"caution {name}", "check it", "caution") for name in "ab"]
     points = [
@@ -257,7 +257,7 @@ def test_shortened_caveat_list_contains_all_faults_and_counts_other_caveats(shor
     assert len(format_paragraph(assessment_paragraph(points)).splitlines()) == 5
 
 
-def test_caveat_grouped_over_several_fractal_dimensions_states_the_range_of_its_numbers():
+def test_caveat_grouped_over_fractal_dimensions_states_the_range_of_each_number_in_its_text():
     points = summarize(generated_result(dimensions=(1.1, 1.2, 1.3)), generated_study()).points
     pressures, counts = ("950 kPa", "116 MPa", "1.2 GPa"), ("3", "12.5", "12.5")
     points = [
