@@ -337,7 +337,7 @@ class Filter {
       result_rows = all_rows;
     }
     // Columns k and m - k are transformed together, because packing combines these two columns.
-    // Column 0 of a transform is paired with itself. If m is even, so is the middle column.
+    // Column 0 of a transform is paired with itself, and so is the middle column if m is even.
     const std::size_t pairs = shape_.packed() ? count / 2 + 1 : count;
     const std::size_t blocks = std::max<std::size_t>(values_per_task / shape_.padded_rows / columns_per_block, 1);
     const std::size_t columns_per_task = blocks * columns_per_block;

@@ -43,8 +43,8 @@ constexpr int max_exact_evaluations = 20;
 // Largest accepted relative difference between displacements of contact points, which are equal in the exact solution.
 // The relative error of the compliance depends on the square of the accepted difference, and is about 1e-7.
 constexpr double compliance_tolerance = 1e-3;
-// Factor by which `compliance_tolerance` is multiplied if only differences of displacements are defined.
-// If only differences of displacements are defined, the compliance is not an energy, so its error is larger.
+// Factor of `compliance_tolerance` on free lines, where only differences of displacements are defined.
+// On free lines, the compliance is not an energy, so the error of the compliance is larger.
 constexpr double difference_tolerance = 0.03;
 // Maximum number of contact points whose linear response is computed with a dense matrix.
 // Up to 1024 contact points, solving with the matrix is faster than solving with transforms of the grid.

@@ -93,7 +93,7 @@ std::vector<double> find_crossings(const BatchFunction& function, Values levels,
   if (left.size() != levels.size() || right.size() != levels.size()) {
     throw std::invalid_argument("find_crossings: left and right must be as long as levels");
   }
-  // Evaluate the function at arguments in any order, which may contain duplicates.
+  // Evaluate the function at arguments that may be in any order and may contain duplicates.
   const auto values_at = [&](const std::vector<double>& arguments) {
     std::vector<double> distinct = arguments;
     std::sort(distinct.begin(), distinct.end());

@@ -99,7 +99,7 @@ class ElasticKernel {
 ///
 /// The inverse requires a surface without edges, so a free grid is extended by zero padding.
 /// The extended grid is periodic. The original grid consists of the first rows and columns of the extended grid.
-/// If no net pressure acts outside the original grid, its displacements equal those of ElasticKernel plus a constant.
+/// Without net pressure outside the original grid, its displacements are those of ElasticKernel plus a constant.
 /// A periodic grid has no edges and needs no zero padding.
 /// On a periodic grid, a uniform displacement requires no pressure.
 class StiffnessKernel {

@@ -20,7 +20,7 @@ struct AdhesiveInterface {
   double hardness = std::numeric_limits<double>::infinity();  ///< largest contact pressure [GPa] > 0
 };
 
-/// Criteria by which a minimisation ends.
+/// Criteria for ending a minimisation.
 struct MinimizationLimits {
   double max_residual = 0.0;           ///< relative residual below which the state is an equilibrium
   double max_accepted_residual = 0.0;  ///< relative residual that is accepted if round-off prevents further steps

@@ -31,7 +31,7 @@ std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, 
 /// `profiles` has one row for each row of `weights`, and one column for each grid point.
 /// `phases` [rad] has the shape (directions M, frequencies N). `weights` [µm] has the shape (any number of rows, N).
 /// A phase is stored as a 64-bit fraction of a turn, so that whole turns are removed without round-off.
-/// The only error in the phase of a harmonic is the round-off of wavenumber times position in long double.
+/// The only error in the phase of a harmonic is the round-off of (wavenumber · position) in long double.
 /// Returns the height statistics of each row, which saves the caller a further pass over the row.
 /// Throws std::invalid_argument if shapes do not match, values are out of range, or phases cannot be resolved.
 std::vector<HeightStatistics> harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid,

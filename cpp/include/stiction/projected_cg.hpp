@@ -17,7 +17,7 @@ namespace stiction {
 /// The pressures satisfy 0 <= p <= bound at each point, and their sum is `total`.
 ///
 /// The kernel K maps pressures [GPa] to displacements [µm].
-/// The caller multiplies by K, and by a preconditioner M that approximates the inverse of K.
+/// The caller multiplies vectors by K, and by a preconditioner M that approximates the inverse of K.
 /// `potential` is K p + g0, so the gap at approach δ is potential - δ.
 /// A point is free if its pressure lies strictly between the bounds.
 /// A point at a bound is also free if the gap at the point drives the pressure away from the bound.

@@ -37,7 +37,7 @@ MAX_OUTPUT_BYTES = 2**25
 # Fraction of the machine's memory that a running command may use.
 JOB_MEMORY_FRACTION = 0.5
 # Fraction of the machine's memory that a preview may use.
-# A preview and another short process that run at the same time may each use this fraction of the memory.
+# Another short process may run at the same time and use the same fraction of the memory.
 READER_MEMORY_FRACTION = 0.25
 SCOPE_TEXT_SUFFIX = ", here and in the pictures"
 # Last characters of the JSON record that a command prints. The command prints the record before it draws figures.
@@ -87,7 +87,7 @@ class Job:
     versions: int = 0
     # Directory of the files that the user can save.
     files: Path | None = None
-    # Coefficients and caveats shown on the page.
+    # Coefficients and caveats that the app shows for the job.
     record: Any = None
     error: str = ""
     is_ending: bool = False

@@ -56,8 +56,8 @@ from stiction.study.values import StudyError
 if TYPE_CHECKING:
     import xarray
 
-# Target computing time (s) of a block.
-# The shorter a block takes, the less work is lost in a crash.
+# Target computing time (s) of a block of members.
+# The shorter the computing time of a block, the less work is lost in a crash.
 # A block must take long enough that writing takes only a few per cent of the computing time.
 TARGET_BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096

@@ -358,7 +358,7 @@ def find_point_caveats(
         )
         return
     num_members = mean_over_directions(point, "members")
-    # Smallest number of solved members in any direction.
+    # Number of solved members in the direction that has the fewest.
     num_solved = float(point["ok"].min()) if "ok" in point else math.nan
     if num_solved < MAX_AFFECTED_FRACTION * num_members:
         text = f"only {num_solved:.0f} of {study.member_names.with_count(num_members)} have a coefficient"

@@ -101,9 +101,9 @@ class _TableWithTextColumns:
     numeric_columns: set[int] = field(default_factory=set)
     lines: list[int] = field(default_factory=list)
     rows: list[list[str]] = field(default_factory=list)
-    # Number of occurrences of each word, by column.
+    # Number of occurrences of each word in a column. The key is the column.
     word_counts: dict[int, Counter[str]] = field(default_factory=dict)
-    # Lines in which a word marks a missing point, by column.
+    # Lines in which a word marks a missing point. The key is the column.
     missing_lines: dict[int, list[int]] = field(default_factory=dict)
 
 

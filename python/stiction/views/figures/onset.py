@@ -231,7 +231,7 @@ _ONSET_PANELS = {
 }
 """Unit factor, axis label, and whether the axis is logarithmic, for each panel."""
 
-# The colours of onset curves are sorted from the lowest to the highest load.
+# The colours of onset curves follow the order of the loads, from the lowest to the highest load.
 LOAD_COLOURS = ("#56b4e9", "#0072b2", "#003a5d")
 
 
