@@ -375,7 +375,7 @@ def test_command_group_lists_every_command_and_finds_its_module():
 
 
 @pytest.mark.parametrize("directory", ["python", "tests", "benchmarks", "docs", "examples"])
-def test_no_docstring_has_of_as_its_first_word(directory):
+def test_docstrings_never_have_of_as_their_first_word(directory):
     """Check that no docstring starts with "Of". Each must be understandable without the line above it."""
     paths = sorted((Path(__file__).parent.parent / directory).rglob("*.py"))
     assert [path for path in paths if re.search(r'^ *"""Of ', path.read_text("utf-8"), re.MULTILINE)] == []
