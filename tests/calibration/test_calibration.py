@@ -786,7 +786,7 @@ def test_calibration_does_not_change_a_given_mu0_or_tau0() -> None:
         (lambda: calibrate(simulate_ball_tests(), tau0="3 um"), "tau0"),
         (
             lambda: calibrate([*simulate_ball_tests(), FrictionTest(BALL, 1, coefficient=0.1)]),
-            "all have an uncertainty",
+            "either all tests or no test must have",
         ),
     ],
 )
