@@ -600,7 +600,7 @@ def test_info_of_a_shear_test_states_where_its_values_are(directory):
     assert_rejected(
         call_stiction("info", "shear", cwd=directory),
         "shear contains a shear test",
-        "its values are in shear.csv and shear.nc",
+        "read shear.csv or shear.nc in this directory",
     )
 
 
