@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+import stiction.evaluate.shear_intervals as shear_intervals
 from stiction._arguments import parse_quantity
 from stiction._checks import check_bool, check_choice, parse_path, validate_number, validate_whole_number
 from stiction._errors import ArgumentError
@@ -31,7 +32,7 @@ from stiction.mechanics.friction import CENTRAL_SHEAR_RATIO, FrictionLaw, warn_i
 from stiction.mechanics.half_space import BoundaryCondition, TiltMode
 from stiction.mechanics.joint_closure import fit_bandis_law
 from stiction.mechanics.onset import parse_direction
-from stiction.mechanics.shear import MIN_STRIPS, ShearBox, shear_gap
+from stiction.mechanics.shear import MIN_STRIPS, ShearBox, check_gap, shear_gap
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
 from stiction.solve.members_in_progress import (
     compute_steps_key,
@@ -58,9 +59,10 @@ from stiction.views.shear import shear_csv
 if TYPE_CHECKING:
     import xarray as xr
 
-STORED_STEPS_VERSION = 2  # increased whenever the computed steps of a shear test change
-
 ShearLevel = Literal["mean", "line", "plane", "none"]
+
+_STEP_MODULES = (Path(__file__), Path(shear_intervals.__file__))
+"""Modules that decide, besides the solver, which steps a shear test consists of."""
 
 
 def shear_test(
@@ -239,7 +241,7 @@ def shear_test(
         return _compute_shear_tests(setup, SolutionRecord(), progress).assign_attrs(attributes)
     test_directory, description = parse_path("directory", directory), _describe_inputs(setup)
     key = hashlib.sha256(description.encode()).hexdigest()[:16]
-    steps_key = compute_steps_key(f"{description}, version {STORED_STEPS_VERSION}")
+    steps_key = compute_steps_key(description, _STEP_MODULES)
     if (test := _open_stored_test(test_directory, key, replace=replace)) is not None:
         return test
     _create_directory(test_directory)
@@ -302,11 +304,10 @@ def export_shear_test(
     if units is not None and not joint:
         raise ArgumentError("{units} applies only if joint is True, got {value}", value=units)
     if joint:
-        _check_closure(test)
+        check_gap(test)
         write_shear_parameters(test, path, DEFAULT_JOINT_UNITS if units is None else units)
     elif gap:
         check_file_extension(path, _GAP_FORMATS)
-        _check_closure(test)
         body = shear_gap(test)
         if isinstance(body, Profile):
             write_profile(body, path)
@@ -318,15 +319,6 @@ def export_shear_test(
             export(test, path)
         else:
             write_new_text_file(path, shear_csv(test))
-
-
-def _check_closure(test: xr.Dataset) -> None:
-    """Raise a `ValueError` if a shear test was stored by an earlier version, without its gap and its closure."""
-    if "gap" not in test:
-        raise ArgumentError(
-            "an earlier version of stiction stored this shear test without gap and closure; repeat the test with "
-            "{replace}"
-        )
 
 
 def _create_directory(directory: Path) -> None:

@@ -180,13 +180,16 @@ def test_shear_test_interrupted_while_computing_intervals_resumes_with_identical
     )
 
 
-def test_shear_test_names_stored_steps_from_which_it_does_not_resume(tmp_path, monkeypatch):
+def test_shear_test_does_not_resume_from_steps_that_another_version_of_its_module_stored(tmp_path, monkeypatch):
     monkeypatch.setattr(members_in_progress, "STORAGE_INTERVAL", -1.0)
     options = {"path": "0.5 mm", "steps": 4, "mu0": 0.6, "directory": tmp_path / "test"} | LOAD_AND_ELASTICITY
     with pytest.raises(KeyboardInterrupt):
         shear_test(*create_faces(), progress=Interruption(2), **options)
     (steps_directory,) = (tmp_path / "test/in_progress").iterdir()
-    monkeypatch.setattr(stiction.direct_shear, "STORED_STEPS_VERSION", 99)
+    first_module, *other_modules = stiction.direct_shear._STEP_MODULES
+    changed_module = tmp_path / first_module.name
+    changed_module.write_bytes(first_module.read_bytes() + b"# changed\n")
+    monkeypatch.setattr(stiction.direct_shear, "_STEP_MODULES", (changed_module, *other_modules))
     with pytest.warns(UserWarning, match=f"{steps_directory.name}: steps of a shear test that was interrupted"):
         shear_test(*create_faces(), **options)
     assert list((tmp_path / "test/in_progress").iterdir()) == [steps_directory]

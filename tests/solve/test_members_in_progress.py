@@ -250,10 +250,10 @@ def test_key_of_stored_load_steps_changes_with_the_solver_code(tmp_path, monkeyp
     shutil.copytree(modules, tmp_path / "mechanics", ignore=shutil.ignore_patterns("__pycache__"))
     with monkeypatch.context() as patch:
         patch.setattr(members_in_progress.mechanics, "__file__", str(tmp_path / "mechanics/__init__.py"))
-        members_in_progress._hash_solver_modules.cache_clear()
+        members_in_progress._hash_step_modules.cache_clear()
         assert members_in_progress.compute_steps_key("study") == key
         with (tmp_path / "mechanics/adhesion.py").open("a", encoding="utf-8") as file:
             file.write("# another way of solving\n")
-        members_in_progress._hash_solver_modules.cache_clear()
+        members_in_progress._hash_step_modules.cache_clear()
         assert members_in_progress.compute_steps_key("study") != key
-    members_in_progress._hash_solver_modules.cache_clear()
+    members_in_progress._hash_step_modules.cache_clear()

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats, check_instance
-from stiction._errors import NoSolutionError
+from stiction._errors import ArgumentError, NoSolutionError
 from stiction.mechanics.friction import (
     LOAD_SUM_NAMES,
     NEGLIGIBLE_COEFFICIENT,
@@ -576,6 +576,15 @@ def compute_dilation_angles(displacement: Floats, dilation: Floats) -> Floats:
     return np.asarray(np.degrees(np.arctan(slopes)))
 
 
+def check_gap(test: xr.Dataset) -> None:
+    """Raise an `ArgumentError` if a dataset lacks the gap and the closure that a shear test of this version has."""
+    if "gap" not in test:
+        raise ArgumentError(
+            "the shear test must contain the gap of the faces and their closure, got a dataset without a gap; if an "
+            "earlier version stored the test, repeat the test with {replace}"
+        )
+
+
 def shear_gap(test: xr.Dataset) -> Profile | Surface:
     """Return the gap between the two faces of a shear test at the start of its path, as a profile or a height map.
 
@@ -612,8 +621,7 @@ def shear_gap(test: xr.Dataset) -> Profile | Surface:
     import xarray as xr
 
     check_instance("test", test, xr.Dataset, "a dataset from shear_test")
-    if "gap" not in test:
-        raise ValueError("the dataset test must contain the gap of the faces, as a result of shear_test does")
+    check_gap(test)
     gap = test["gap"]
     spacing = tuple(float(test[axis][1]) for axis in gap.dims)
     missing = np.isnan(gap.values)

@@ -94,25 +94,26 @@ class MembersInProgress:
         )
 
 
-def compute_steps_key(inputs: str) -> str:
-    """Compute the key of stored steps: a checksum of study, software and machine.
+def compute_steps_key(inputs: str, modules: tuple[Path, ...] = ()) -> str:
+    """Compute the key of stored steps: a checksum of inputs, software and machine.
 
-    Steps with the same key are equal in every bit.
+    Steps with the same key are equal in every bit. `modules` are Python modules that determine, besides the solver, the
+    steps into which a computation is divided.
     """
     import scipy
 
     checksum_inputs = (
-        inputs, __version__, sorted(_core.build().items()), _hash_solver_modules(), np.__version__, scipy.__version__,
-        platform.node(), platform.machine(),
+        inputs, __version__, sorted(_core.build().items()), _hash_step_modules(modules), np.__version__,
+        scipy.__version__, platform.node(), platform.machine(),
     )  # fmt: skip
     return hashlib.sha256(repr(checksum_inputs).encode()).hexdigest()[:16]
 
 
 @cache
-def _hash_solver_modules() -> str:
-    """Return a checksum of the Python modules that determine the steps into which a solution is divided."""
-    modules = sorted(Path(mechanics.__file__).parent.glob("*.py"))
-    return hashlib.sha256(b"".join(path.read_bytes() for path in modules)).hexdigest()
+def _hash_step_modules(modules: tuple[Path, ...]) -> str:
+    """Return a checksum of the solver's Python modules and of further modules."""
+    paths = [*sorted(Path(mechanics.__file__).parent.glob("*.py")), *modules]
+    return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()
 
 
 def stored_record(directory: Path, member: int, key: str) -> SolutionRecord:
