@@ -186,8 +186,9 @@ def progress_bar(
     """Show a progress bar, and yield a function that adds newly finished tasks to the bar.
 
     A terminal or a notebook shows a progress bar after the first call of this function. Other output receives a line
-    every `PROGRESS_LINE_INTERVAL`. `estimate_progress` returns the sum of the finished fractions of all running tasks.
-    Call the yielded function with 0 from time to time to update the display.
+    every `PROGRESS_LINE_INTERVAL`. Both show the number of finished tasks, unless there is only one task, and the
+    percentage. `estimate_progress` returns the sum of the finished fractions of all running tasks. Call the yielded
+    function with 0 from time to time to update the display.
     """
     if not enabled:
         yield lambda count=1: None
@@ -218,7 +219,9 @@ def progress_bar(
             elif current_time - last_time > PROGRESS_LINE_INTERVAL:
                 last_time = current_time
                 elapsed_text = format_duration(current_time - start_time)
-                line = f"{num_finished}/{total} {label}, {completed / total:.1%} after {elapsed_text}"
+                # The number of finished tasks would be 0 until a single task is finished.
+                count_text = f"{num_finished}/{total} {label}, " if total > 1 else ""
+                line = f"{count_text}{completed / total:.1%} after {elapsed_text}"
                 line += f", about {remaining_text} left" if completed > finished else ""
                 # Writing fails if standard error is closed.
                 with contextlib.suppress(OSError):
@@ -250,10 +253,10 @@ def _progress_display(label: str, total: int, finished: int) -> Iterator[Callabl
     from rich import progress
     from rich.console import Console
 
+    count_columns = (progress.MofNCompleteColumn(),) if total > 1 else ()
     columns = (
-        progress.TextColumn(label), progress.BarColumn(), progress.MofNCompleteColumn(),
-        progress.TaskProgressColumn(), progress.TextColumn("elapsed"), progress.TimeElapsedColumn(),
-        progress.TextColumn("left {task.fields[left]}"),
+        progress.TextColumn(label), progress.BarColumn(), *count_columns, progress.TaskProgressColumn(),
+        progress.TextColumn("elapsed"), progress.TimeElapsedColumn(), progress.TextColumn("left {task.fields[left]}"),
     )  # fmt: skip
     is_notebook = Console().is_jupyter
     # Without ipywidgets, rich would show no progress bar in a notebook, but one line of text at the end.
