@@ -104,7 +104,7 @@ class Result(Evaluation):
 
     def export(
         self, path: str | Path, *, load: str | ArrayLike | None = None, joint: bool = False,
-        units: UnitSystem | None = None,
+        units: UnitSystem | None = None, closure_from: str | float | None = None,
     ) -> None:  # fmt: skip
         """Write the result to a new file: the whole result for ``.nc``, or a table for ``.csv`` and ``.tex``.
 
@@ -118,6 +118,9 @@ class Result(Evaluation):
             in any case: ``.inp`` of Abaqus and CalculiX, ``.mac`` of Ansys and ``.liggghts``.
         units : {"mm,N,MPa", "m,N,Pa", "um,mN,GPa"}, optional
             Units of joint tables and cards; by default the first.
+        closure_from : str or float, mN, optional
+            Load from which joint tables and cards count the closure, "0.1 MPa". By default, they count from first
+            contact, which is a single point; in a model of the joint, use a small pressure.
 
         Raises
         ------
@@ -127,10 +130,12 @@ class Result(Evaluation):
         path = parse_path("path", path)
         check_bool("joint", joint)
         if joint or is_card(path):
-            write_joint_table(self, path, DEFAULT_JOINT_UNITS if units is None else units, load=load)
+            chosen_units = DEFAULT_JOINT_UNITS if units is None else units
+            write_joint_table(self, path, chosen_units, load=load, closure_from=closure_from)
             return
-        if units is not None:
-            raise ArgumentError("{units} applies only to joint tables and cards, got {value}", value=units)
+        for name, value in (("units", units), ("closure_from", closure_from)):
+            if value is not None:
+                raise ArgumentError(f"{{{name}}} applies only to joint tables and cards, got {{value}}", value=value)
         if load is None:
             write_result(self, path)
         else:

@@ -15,6 +15,7 @@ import pytest
 from stiction import Study, half_space, material, open_result, pair, run, self_affine_surface
 from stiction.study.members import read_measured_bodies
 from stiction.summary.evaluation import Evaluation
+from stiction.summary.joint_table import STIFFNESS_OVER_MEASURED_STIFFNESS
 from stiction.views.files import summary_csv
 from support.command import assert_rejected, call_stiction, check_stiction
 
@@ -193,7 +194,8 @@ def test_csv_file_of_a_joint_table_contains_every_number_of_the_table(result, di
         if not np.isnan(number)
     ]
     in_rows = {f"{value:.9g}" for value in values}
-    assert cells - in_rows == {"0", "1", "combined", "prediction", "Do not quote", "Quote with care"}
+    model_errors = {"0.45 to 1.19 times the measured stiffness", "not validated"}
+    assert cells - in_rows - model_errors == {"0", "1", "combined", "prediction", "Do not quote", "Quote with care"}
     assert in_rows <= cells
     assert len(frame) == len(table.rows)
     assert frame.filter(like="kind").nunique().eq(1).all()
@@ -279,14 +281,105 @@ def test_json_file_of_a_joint_table_contains_units_and_notes_and_kinds_of_interv
     assert record["assessments"] == [{"load": row.load, "assessment": row.assessment} for row in table.rows]
 
 
+def test_joint_table_counts_closures_from_a_given_pressure(result, table):
+    closure_by_pressure = {row.pressure.value: row.estimates["closure"] for row in table.rows}
+    shifted_table = result.joint_table(closure_from="50 MPa", units="mm,N,MPa")
+    start = closure_by_pressure[50.0]
+    assert (shifted_table.closure_from.value, shifted_table.closure_from.unit) == (50.0, "MPa")
+    assert table.closure_from.value == 0
+    assert [row.pressure.value for row in shifted_table.rows] == [row.pressure.value for row in table.rows]
+    for row in shifted_table.rows:
+        shifted = row.estimates["closure"]
+        assert shifted.value == pytest.approx(closure_by_pressure[row.pressure.value].value - start.value, abs=1e-15)
+        if row.pressure.value == 50.0:
+            assert shifted.value == 0
+            assert not shifted.has_interval
+        else:
+            assert shifted.lower < shifted.value < shifted.upper
+    # Near the pressure from which the closure is counted, its relative limits are those of the compliance.
+    index = [row.pressure.value for row in table.rows].index(50.0) + 1
+    shifted, stiffness = (shifted_table.rows[index].estimates[name] for name in ("closure", "closure_stiffness"))
+    for limit, other_limit in (("lower", "upper"), ("upper", "lower")):
+        ratio = stiffness.value / getattr(stiffness, other_limit)
+        assert getattr(shifted, limit) / shifted.value == pytest.approx(ratio, rel=0.1)  # mean of both pressures
+    assert any("since a nominal pressure of 50 MPa" in note for note in shifted_table.notes)
+    assert any("since first contact" in note and "--closure-from" in note for note in table.notes)
+
+
+def test_joint_table_includes_the_pressure_from_which_closures_are_counted(result):
+    shifted_table = result.joint_table(["20 MPa", "80 MPa"], closure_from="7 MPa")
+    assert [row.pressure.value for row in shifted_table.rows] == pytest.approx([7, 20, 80])
+    assert get_closure(shifted_table.rows[0]) == 0
+    first, last = (get_closure(row) for row in result.joint_table(["7 MPa", "80 MPa"]).rows)
+    assert get_closure(shifted_table.rows[-1]) == pytest.approx(last - first)
+    with pytest.raises(ValueError, match=r"closure_from must be a pressure .* \(5 MPa to 500 MPa\), got 1 MPa"):
+        result.joint_table(closure_from="1 MPa")
+    with pytest.raises(ValueError, match="closure_from must be a finite number above 0 mN, got -1"):
+        result.joint_table(closure_from=-1)
+
+
+@pytest.mark.parametrize("name", ["card.inp", "card.mac"])
+def test_exported_curve_starts_with_the_stiffness_at_the_pressure_from_which_closures_are_counted(
+    result, directory, name
+):
+    card = export_text(result, directory / name, closure_from="20 MPa")
+    pattern = r"^([-\d.e+]+), ([-\d.e+]+)$" if name == "card.inp" else r"^TBPT,,([-\d.e+]+),([-\d.e+]+)$"
+    points = np.array(re.findall(pattern, card.split("*FRICTION")[0], re.MULTILINE), float)
+    points = points[points.any(axis=1)]  # without the origin
+    pressures, closures = points.T if name == "card.inp" else points.T[::-1]
+    (start,) = result.joint_table(["20 MPa"]).rows
+    assert pressures[0] == 20
+    assert (np.diff(closures) > 0).all()
+    assert pressures[0] / closures[0] == pytest.approx(start.estimates["closure_stiffness"].value, rel=1e-4)
+    last = result.joint_table().rows[-1]
+    assert closures[-1] - closures[0] == pytest.approx(get_closure(last) - get_closure(start), rel=1e-4)
+    words = " ".join(re.sub(r"(?m)^(\*\*|!) ", "", card).split())
+    assert "Below 20 MPa, from which the closure is counted, the curve is a straight line" in words
+
+
+def test_exported_joint_files_state_the_error_of_the_model_and_from_which_pressure_closures_are_counted(
+    result, directory
+):
+    frame = pandas.read_csv(
+        io.StringIO(export_text(result, directory / "joint.csv", joint=True, closure_from="20 MPa"))
+    )
+    assert frame["closure counted from (MPa)"].unique().tolist() == [20]
+    (error,) = frame["stiffness of closure: model error (not in the interval)"].unique()
+    assert error == "0.45 to 1.19 times the measured stiffness"
+    assert frame["tangential stiffness: model error (not in the interval)"].unique().tolist() == ["not validated"]
+    record = json.loads(export_text(result, directory / "joint.json", joint=True, load=["20 MPa", "80 MPa"]))
+    assert (record["closure_from"]["value"], record["closure_from"]["unit"]) == (0, "MPa")
+    errors = {error["name"]: error["computed_over_measured"] for error in record["model_errors"]}
+    assert errors == {"closure_stiffness": [0.45, 1.19], "tangential_stiffness_per_area": None}
+    assert "(80 MPa)" in record["sentence"]  # the load of the table that is nearest to the load of the pair
+    card = " ".join(re.sub("(?m)^# ", "", export_text(result, directory / "card.liggghts")).split())
+    for words in (
+        "0.45 to 1.19 times the measured stiffness",
+        "This stiffness is not validated",
+        "since first contact",
+    ):
+        assert words in card
+
+
+def test_stated_error_of_the_model_covers_the_errors_of_the_measured_fractures():
+    table = (ROOT / "docs/generated/fracture_errors.md").read_text(encoding="utf-8")
+    tangents = [line.split("|") for line in table.splitlines() if line.startswith("| tangent")]
+    errors = [float(cells[column].replace("−", "-").rstrip(" %")) for cells in tangents for column in (4, 7)]
+    assert [1 + min(errors) / 100, 1 + max(errors) / 100] == pytest.approx(STIFFNESS_OVER_MEASURED_STIFFNESS)
+
+
 def test_export_command_writes_joint_tables_and_rejects_wrong_options(result, directory):
-    check_stiction("export", "pair", "from_command.csv", "--joint", cwd=directory)
+    completed = check_stiction("export", "pair", "from_command.csv", "--joint", cwd=directory)
+    assert "count the closure from a small pressure instead (--closure-from)" in " ".join(completed.stdout.split())
     expected = export_text(result, directory / "joint.csv", joint=True)
     assert (directory / "from_command.csv").read_text(encoding="utf-8") == expected
     for arguments, message in (
         (("x.tex", "--joint"), "must end in .csv"),
         (("x.inp", "--units", "in,lbf,psi"), "units must be one of 'mm,N,MPa'"),
         (("x.csv", "--units", "m,N,Pa"), "--units applies only to joint tables and cards"),
+        (("x.csv", "--closure-from", "9 MPa"), "--closure-from applies only to joint tables and cards"),
+        (("x.csv", "--joint", "--closure-from", "9"), "--closure-from must be a force or a pressure with its unit"),
+        (("x.csv", "--joint", "--closure-from", "9 Pa"), "--closure-from must be a pressure at which the pair has a"),
         (("x.csv", "--compute"), "--compute applies only to joint tables and cards"),
         (("x.inp", "--workers", "2"), "--workers requires --compute"),
         (("from_command.csv", "--joint"), "from_command.csv"),

@@ -111,7 +111,7 @@ def report(
     "stiction export pair pair.csv",
     "stiction export pair joint.csv --joint --compute",
     "stiction export pair joint.csv --joint --load '2 MPa,5 MPa'",
-    "stiction export pair card.inp --units m,N,Pa",
+    "stiction export pair card.inp --units m,N,Pa --closure-from '0.1 MPa'",
     "stiction export shear parameters.csv --joint",
     "stiction export shear gap.npy --gap",
 )
@@ -142,6 +142,14 @@ def export(
     units: Annotated[
         str | None, option("--units UNITS", "Units of the joint: mm,N,MPa, m,N,Pa or um,mN,GPa.", "mm,N,MPa")
     ] = None,
+    closure_from: Annotated[
+        str | None,
+        option(
+            "--closure-from PRESSURE",
+            'Count the closure of the joint from this pressure, such as "0.1 MPa", or from a force.',
+            "first contact",
+        ),
+    ] = None,
     compute: Annotated[
         bool, option("--compute", "Compute the contacts at all pressures of the joint, and store them in DIR/joint.")
     ] = False,
@@ -158,14 +166,14 @@ def export(
     from stiction.direct_shear import export_shear_test
     from stiction.evaluate.computed_loads import find_loads_without_values
     from stiction.solve.store import STUDY_FILE, load_shear_test
-    from stiction.summary.joint_table import DEFAULT_JOINT_UNITS
+    from stiction.summary.joint_table import DEFAULT_JOINT_UNITS, FIRST_CONTACT_NOTE
     from stiction.views.files import check_joint_file, is_card
 
     chosen_units: Any = units
     # In the directory of a study, a file named like a shear test may be an export of the study.
     has_study = (directory / STUDY_FILE).exists()
     if not has_study and (test := load_shear_test(directory)) is not None:
-        reject_options(context, "does not apply to shear tests", "load", "compute", "workers")
+        reject_options(context, "does not apply to shear tests", "load", "compute", "workers", "closure_from")
         if gap:
             reject_options(context, "cannot be combined with --gap", "joint", "units")
         elif not joint:
@@ -180,26 +188,31 @@ def export(
         if not (joint or is_card(file)):
             reject_options(context, "applies only to joint tables and cards", "compute")
         check_joint_file(file, DEFAULT_JOINT_UNITS if units is None else chosen_units)
-        result = _compute_joint(result, directory / JOINT_DIRECTORY, workers, loads)
+        result = _compute_joint(result, directory / JOINT_DIRECTORY, workers, loads, closure_from)
     else:
         reject_options(context, "requires --compute", "workers")
     if loads is not None:
         values = result.at(loads, quantities=[])
         report_missing_loads(result, values, find_loads_without_values(result, values))
-    result.export(file, load=loads, joint=joint, units=chosen_units)
+    result.export(file, load=loads, joint=joint, units=chosen_units, closure_from=closure_from)
     print_output(f"wrote {printable_path(file)}")
+    if (joint or is_card(file)) and closure_from is None:
+        print_output(f"{FIRST_CONTACT_NOTE} (--closure-from).")
 
 
-def _compute_joint(result: Result, directory: Path, workers: int | None, loads: list[float] | None) -> Result:
+def _compute_joint(
+    result: Result, directory: Path, workers: int | None, loads: list[float] | None, closure_from: str | None
+) -> Result:
     """Compute a pair at the loads of its joint table, or at given loads (mN) in addition to the loads of its study.
 
     A result of another study in the directory is replaced.
     """
     from stiction.cli.execution import compute_result_in_directory, open_executor
     from stiction.solve.store import StudyMismatchError
-    from stiction.summary.joint_table import build_joint_study
+    from stiction.summary.joint_table import build_joint_study, parse_closure_start
 
-    study = build_joint_study(result.study, result.nominal_area, loads)
+    start_load = None if closure_from is None else parse_closure_start(closure_from, result.nominal_area)
+    study = build_joint_study(result.study, result.nominal_area, loads, start_load)
     with open_executor(workers, None) as executor:
         try:
             return compute_result_in_directory(study, directory, executor, onset=0)

@@ -39,8 +39,10 @@ from stiction.summary.joint_table import (
     DEFAULT_JOINT_UNITS,
     JointTable,
     UnitSystem,
+    add_load,
     build_joint_table,
     choose_joint_loads,
+    parse_closure_start,
 )
 from stiction.summary.summary import PointSummary, Summary, summarize
 
@@ -364,7 +366,7 @@ class Evaluation(MemberSums):
 
     def joint_table(
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None,
-        units: UnitSystem = DEFAULT_JOINT_UNITS,
+        units: UnitSystem = DEFAULT_JOINT_UNITS, closure_from: str | float | None = None,
     ) -> JointTable:  # fmt: skip
         """Return the joint table of a measured pair: closure, stiffness, friction and true area over nominal pressure.
 
@@ -379,11 +381,13 @@ class Evaluation(MemberSums):
             By default the first values of the study.
         units : {"mm,N,MPa", "m,N,Pa", "um,mN,GPa"}
             Units of length, force and pressure.
+        closure_from : str or float, mN, optional
+            Load from which the closure is counted, "0.1 MPa". By default, the closure is counted from first contact.
 
         Raises
         ------
         ValueError
-            If the bodies were generated, or no load has a closure.
+            If the bodies were generated, no load has a closure, or `closure_from` is outside the computed loads.
 
         Examples
         --------
@@ -398,6 +402,10 @@ class Evaluation(MemberSums):
         """
         loads = choose_joint_loads(self.study, self.nominal_area)
         loads = loads if load is None else self._to_forces(load)
+        start_load = None
+        if closure_from is not None:
+            start_load = parse_closure_start(closure_from, self.nominal_area)
+            loads, start_load = add_load(np.atleast_1d(loads), start_load)
         friction = self.study.friction
         strengths: dict[str, Any] = {
             "mu0": friction.mu0[:1] if mu0 is None else mu0,
@@ -409,7 +417,7 @@ class Evaluation(MemberSums):
                 raise ValueError(f"{name} must be a single value, got {short_repr(values)}")
         points = self.summarize_dataset(at).reported_points
         assessments = {float(point.at["load"]): point.assessment for point in points}
-        return build_joint_table(at, self.study, units, assessments)
+        return build_joint_table(at, self.study, units, assessments, start_load)
 
     # ---- Reported values ---------------------------------------------------------------------------------------------
 

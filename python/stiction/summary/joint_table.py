@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from stiction._checks import Floats, check_choice
+from stiction._checks import Floats, check_choice, validate_number
+from stiction._errors import ArgumentError
 from stiction._estimate import Estimate
 from stiction._number_format import format_with_unit
-from stiction._units import quantity
+from stiction._units import loads_to_core_units, quantity
 from stiction.evaluate.combined_intervals import FRICTION_PERCENTILES
 from stiction.evaluate.member_values import find_tangential_stiffness_ratio, has_grooves
 from stiction.evaluate.point import list_rules_with_reported_first, read_estimate, select_sliding_rule
@@ -33,6 +34,14 @@ MAX_LOAD_RATIO = 10 ** (1 / 16)
 Other programs interpolate linearly between the rows. At this ratio, the interpolated closure of two profiles deviates
 by less than 0.1 %.
 """
+STIFFNESS_OVER_MEASURED_STIFFNESS = (0.45, 1.19)
+"""Smallest and largest ratio of computed to measured stiffness of closure, which estimates the error of the model.
+
+These are tangent stiffnesses of two rock fractures from 1 to 9.8 MPa, see docs/explanation/experiments.md. No other
+joint has been compared.
+"""
+# Largest relative difference of two loads that count as equal.
+MAX_LOAD_ROUND_OFF = 1e-9
 MIN_PREDICTION_POSITIONS = 3
 # The materials of two bodies count as similar below this value of Dundurs' second constant β.
 MIN_DUNDURS_BETA = 0.005
@@ -135,6 +144,8 @@ class JointTable:
         Row at the load of the pair, or at the first of several loads.
     mu0, tau0 : float
         mu0 and tau0 (GPa) for which the friction was computed.
+    closure_from : Estimate
+        Nominal pressure from which the closure is counted; 0 for closures since first contact.
     notes : tuple of str
         Definitions, assumptions and the range of validity, as sentences.
     """
@@ -144,6 +155,7 @@ class JointTable:
     reference: JointRow
     mu0: float
     tau0: float
+    closure_from: Estimate
     notes: tuple[str, ...]
 
 
@@ -168,48 +180,85 @@ def choose_joint_loads(study: Study, nominal_area: float | None) -> Floats:
     return np.unique([*loads_between_steps, *steps])
 
 
-def build_joint_study(study: Study, nominal_area: float | None, loads: Sequence[float] | None = None) -> Study:
+def parse_closure_start(closure_from: Any, nominal_area: float | None) -> float:
+    """Return the load (mN) from which a closure is counted, given as a load or as a nominal pressure."""
+    area = math.nan if nominal_area is None else nominal_area
+    try:
+        load = loads_to_core_units("closure_from", closure_from, area)
+        return validate_number("closure_from", load, unit="mN", above=0)
+    except ValueError as error:
+        raise ArgumentError.for_argument("closure_from", str(error).removeprefix("closure_from ")) from None
+
+
+def add_load(loads: Floats, load: float) -> tuple[Floats, float]:
+    """Add a load (mN) to others, unless one of them equals it except for round-off, and return all and this load."""
+    equal_loads = loads[np.isclose(loads, load, rtol=MAX_LOAD_ROUND_OFF, atol=0)]
+    return (loads, float(equal_loads[0])) if equal_loads.size else (np.unique([*loads, load]), load)
+
+
+def build_joint_study(
+    study: Study, nominal_area: float | None, loads: Sequence[float] | None = None, closure_from: float | None = None
+) -> Study:
     """Return a copy of a measured pair's study with the loads of the joint table.
 
-    If `loads` (mN) are given, the copy has these loads and the computed loads of the study instead.
+    If `loads` (mN) are given, the copy has these loads and the computed loads of the study instead. `closure_from` (mN)
+    is a further load, from which the closure is counted.
     """
     table_loads = choose_joint_loads(study, nominal_area)
     if loads is not None:
         table_loads = np.unique([*study.contact.loading_steps(), *loads])
+    if closure_from is not None:
+        table_loads, _ = add_load(table_loads, closure_from)
     return study.with_changes({"contact.load": [f"{load!r} mN" for load in table_loads.tolist()]})
 
 
-def build_joint_table(at: xarray.Dataset, study: Study, units: str, assessments: Mapping[float, str]) -> JointTable:
+def build_joint_table(
+    at: xarray.Dataset, study: Study, units: str, assessments: Mapping[float, str], closure_from: float | None = None
+) -> JointTable:
     """Build the joint table of a measured pair from a dataset of `Result.at`, at the first mu0 and tau0.
 
     `assessments` contains the assessment of the coefficient at each load (mN). Loads at which the pair has no closure
-    are omitted.
+    are omitted. `closure_from` is the load (mN) from which the closure is counted, by default 0 (first contact).
 
     Raises
     ------
     ValueError
-        If no load has a closure.
+        If no load has a closure, or if `closure_from` has none.
     """
     parsed_units = JointUnits.parse(units)
     at = select_sliding_rule(at, list_rules_with_reported_first(study)[0]).isel(mu0=0, tau0=0)
     at = at.isel(cut_off=0) if "cut_off" in at.dims else at
     steps, area = study.contact.loading_steps(), float(at["nominal_area"])
-    rows, omitted_loads = [], []
-    for load in at["load"].values.tolist():
-        estimates = _read_row(at.sel(load=load), load / area)
-        if math.isfinite(estimates["closure"].value):
-            converted_estimates = {name: parsed_units.convert(estimate) for name, estimate in estimates.items()}
-            rows.append(JointRow(load, bool(np.isin(load, steps)), converted_estimates, assessments[load]))
-        else:
-            omitted_loads.append(load)
+    estimates_by_load = {load: _read_row(at.sel(load=load), load / area) for load in at["load"].values.tolist()}
+    omitted_loads = [load for load, row in estimates_by_load.items() if math.isnan(row["closure"].value)]
+    table_loads = [load for load in estimates_by_load if load not in omitted_loads]
+    start_pressure = Estimate(0.0, name="closure_from", unit="GPa")
+    if closure_from is not None:
+        start_pressure = replace(estimates_by_load[closure_from]["nominal_pressure"], name="closure_from")
+        if closure_from in omitted_loads:
+            lowest_pressure, highest_pressure = (format_with_unit(load / area, "GPa") for load in steps[[0, -1]])
+            raise ArgumentError(
+                "{closure_from} must be a pressure at which the pair has a closure, within the computed pressures "
+                "({lowest} to {highest}), got {got}",
+                lowest=lowest_pressure, highest=highest_pressure, got=format_with_unit(start_pressure.value, "GPa"),
+            )  # fmt: skip
+        table_rows = [estimates_by_load[load] for load in table_loads]
+        closures = _count_closures_from(table_rows, table_loads.index(closure_from))
+        for row, closure in zip(table_rows, closures, strict=True):
+            row["closure"] = closure
+    rows = []
+    for load in table_loads:
+        estimates = {name: parsed_units.convert(estimate) for name, estimate in estimates_by_load[load].items()}
+        rows.append(JointRow(load, bool(np.isin(load, steps)), estimates, assessments[load]))
     if not rows:
         raise ValueError("a joint table needs the closure of the pair, which is unknown at all loads of the table")
     first_load = float(study.friction.load[0])
     reference = min(rows, key=lambda row: abs(math.log(row.load / first_load)))
+    start_pressure = parsed_units.convert(start_pressure)
     notes = (
-        *_describe_definitions(study, at),
+        *_describe_definitions(study, at, start_pressure),
         _describe_assessments(rows),
-        *_describe_range(rows, parsed_units),
+        _describe_range(rows, parsed_units, start_pressure.value),
         *(
             []
             if all(row.is_computed for row in rows)
@@ -220,7 +269,32 @@ def build_joint_table(at: xarray.Dataset, study: Study, units: str, assessments:
         ),
         *(f"No closure, and therefore no row, at {format_with_unit(load / area, 'GPa')}." for load in omitted_loads),
     )
-    return JointTable(tuple(rows), parsed_units, reference, float(at["mu0"]), float(at["tau0"]), notes)
+    return JointTable(tuple(rows), parsed_units, reference, float(at["mu0"]), float(at["tau0"]), start_pressure, notes)
+
+
+def _count_closures_from(rows: Sequence[Mapping[str, Estimate]], start: int) -> list[Estimate]:
+    """Return the closure of each row of a joint table, counted from the row with index `start`.
+
+    A closure between two pressures is the integral of the pressure over the stiffness of closure. Its limits are those
+    for the limits of the stiffness at all pressures.
+    """
+    closures = np.array([row["closure"].value for row in rows])
+    stiffnesses = np.array([row["closure_stiffness"].value for row in rows])
+    limits = np.array([[row["closure_stiffness"].lower, row["closure_stiffness"].upper] for row in rows])
+    ratios = stiffnesses[:, np.newaxis] / limits
+    increments = np.diff(closures)[:, np.newaxis] * (ratios[1:] + ratios[:-1]) / 2
+    limits_from_first_row = np.concatenate([np.zeros((1, 2)), np.cumsum(increments, axis=0)])
+    limits_from_start = np.sort(limits_from_first_row - limits_from_first_row[start], axis=1)
+    counted_closures = []
+    for row, value, (lower, upper) in zip(rows, closures - closures[start], limits_from_start, strict=True):
+        has_interval = value != 0 and not np.isnan(lower)
+        counted_closures.append(
+            replace(
+                row["closure"], value=float(value), lower=float(lower) if has_interval else math.nan,
+                upper=float(upper) if has_interval else math.nan, kind="combined" if has_interval else "",
+            )
+        )  # fmt: skip
+    return counted_closures
 
 
 def _read_row(point: xarray.Dataset, pressure: float) -> dict[str, Estimate]:
@@ -245,12 +319,37 @@ def _read_row(point: xarray.Dataset, pressure: float) -> dict[str, Estimate]:
 # ---- Words -----------------------------------------------------------------------------------------------------------
 
 
-def _describe_definitions(study: Study, at: xarray.Dataset) -> list[str]:
+def describe_closure_start(start_pressure: Estimate) -> str:
+    """Return the clause that says from which pressure a closure is counted, such as "since first contact"."""
+    if start_pressure.value == 0:
+        return "since first contact"
+    return f"since a nominal pressure of {start_pressure.value:.6g} {start_pressure.unit}"
+
+
+MODEL_ERROR_NOTE = (
+    "The intervals do not include the error of the model: for two measured rock fractures, the computed stiffness of "
+    "closure is {} to {} times the measured stiffness from 1 to 9.8 MPa; no other joint has been compared."
+).format(*STIFFNESS_OVER_MEASURED_STIFFNESS)
+"""Sentence on the error of the model, in every file with closures and stiffnesses of a joint."""
+
+FIRST_CONTACT_NOTE = (
+    "First contact is a single point: in a model of the joint, count the closure from a small pressure instead"
+)
+"""Advice on closures that are counted from first contact, without the full stop."""
+
+
+def _describe_definitions(study: Study, at: xarray.Dataset, start_pressure: Estimate) -> list[str]:
     rule = str(at["sliding"].values)
+    advice = (
+        f"{FIRST_CONTACT_NOTE} (--closure-from)."
+        if start_pressure.value == 0
+        else "The intervals of the closure follow from those of the stiffness."
+    )
     notes = [
         "All quantities are per nominal area, for first loading and the normal load before sliding.",
-        "Closure: decrease of the mean gap since first contact, without bending of the bodies as a whole. "
-        "Stiffness of closure: derivative of the pressure with respect to it.",
+        f"Closure: decrease of the mean gap {describe_closure_start(start_pressure)}, without bending of the bodies as "
+        f"a whole. Stiffness of closure: derivative of the pressure with respect to it. {advice}",
+        MODEL_ERROR_NOTE,
         describe_tangential_stiffness(study, at),
         f"Coefficient of static friction: friction at {'all contacts' if rule == 'all' else 'opposing contacts only'}; "
         "5, 50 and 95 % of single tests in one direction at one position have smaller values. The median differs from "
@@ -283,12 +382,18 @@ def describe_tangential_stiffness(study: Study, at: xarray.Dataset) -> str:
     given_poisson = contact.poisson
     start = "Tangential stiffness: before slip, equal to the stiffness of closure while unloading"
     if has_grooves(study):
-        text = f"{start}, because parallel grooves across the motion deform in plane strain."
+        text = (
+            f"{start}, because parallel grooves across the motion deform in plane strain. This stiffness is not "
+            "validated."
+        )
     else:
         ratios = np.unique(np.array(given_poisson or (DEFAULT_POISSON_RATIO,), float)).tolist()
         poisson = " and ".join(f"{ratio:.3g}" for ratio in ratios) + ("" if given_poisson else " (assumed)")
         factor = find_tangential_stiffness_ratio(study)
-        text = f"{start} times {factor:.3g}, Mindlin's ratio for isotropic surfaces with Poisson's ratio {poisson}."
+        text = (
+            f"{start} times {factor:.3g}, Mindlin's ratio for isotropic surfaces with Poisson's ratio {poisson}. This "
+            "stiffness is not validated."
+        )
     beta = _compute_dundurs_beta(given_poisson or DEFAULT_POISSON_RATIO, getattr(contact, "compliance_share", 0.5))
     if beta < MIN_DUNDURS_BETA:
         return text
@@ -317,9 +422,10 @@ def _describe_assessments(rows: Sequence[JointRow]) -> str:
     )
 
 
-def _describe_range(rows: Sequence[JointRow], units: JointUnits) -> list[str]:
+def _describe_range(rows: Sequence[JointRow], units: JointUnits, start_pressure: float) -> str:
     lowest_pressure, highest_pressure = rows[0].pressure.value, rows[-1].pressure.value
-    return [
-        f"Valid from {lowest_pressure:.4g} to {highest_pressure:.4g} {units.pressure}. "
-        "Below, a straight line to zero closure is only a continuation."
-    ]
+    text = f"Valid from {lowest_pressure:.4g} to {highest_pressure:.4g} {units.pressure}."
+    if start_pressure == 0:
+        return f"{text} Below, a straight line to zero closure is only a continuation."
+    is_negative = lowest_pressure < start_pressure
+    return f"{text} Closures below {start_pressure:.6g} {units.pressure} are negative." if is_negative else text

@@ -109,15 +109,18 @@ def write_table_at_loads(result: Evaluation, path: Path, load: Any) -> None:
 
 
 def write_joint_table(
-    result: Evaluation, path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS, *, load: Any = None
-) -> None:
+    result: Evaluation, path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS, *, load: Any = None,
+    closure_from: Any = None,
+) -> None:  # fmt: skip
     """Write the joint table of a result, at all loads or at given loads, to a new file in one of `JOINT_FORMATS`.
 
-    Raises a `ValueError` as `write_result` does, or if the result has no joint table.
+    `closure_from` is the load from which the closure is counted, by default 0 (first contact). Raises a `ValueError` as
+    `write_result` does, or if the result has no joint table.
     """
     check_joint_file(path, units)
-    table = result.joint_table(load, units=units)
-    sentence = quotable_sentences(result.summary())[0]
+    table = result.joint_table(load, units=units, closure_from=closure_from)
+    # The sentence describes the pair at a load of the table.
+    sentence = quotable_sentences(result.summary([table.reference.load]))[0]
     write_new_text_file(path, JOINT_FORMATS[path.suffix.lower()][1](table, sentence))
 
 

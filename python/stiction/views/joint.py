@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Collection
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from stiction._core import __version__
 from stiction._estimate import MAX_SIGNIFICANT_DIGITS, Estimate, estimate_column_titles
-from stiction.summary.joint_table import JOINT_TITLES
+from stiction.summary.joint_table import JOINT_TITLES, STIFFNESS_OVER_MEASURED_STIFFNESS
 from stiction.views.json_record import record_json
 from stiction.views.spreadsheet import frame_to_csv
 
@@ -24,6 +25,32 @@ CURVE_DIGITS = 6
 _ASCII_REPLACEMENTS = {
     "μ": "mu", "τ": "tau", "α": "alpha", "ν": "nu", "±": "+-", "²": "^2", "µ": "u", "–": "-", "′": "'", "×": "x",
 }  # fmt: skip
+
+
+MODEL_ERROR_COLUMNS = {
+    "stiffness of closure: model error (not in the interval)": (
+        "{} to {} times the measured stiffness".format(*STIFFNESS_OVER_MEASURED_STIFFNESS)
+    ),
+    "tangential stiffness: model error (not in the interval)": "not validated",
+}
+"""Cells of a table that are the same in all rows: the model errors, which no interval contains."""
+
+MODEL_ERRORS = [
+    {
+        "name": "closure_stiffness", "computed_over_measured": list(STIFFNESS_OVER_MEASURED_STIFFNESS),
+        "in_interval": False, "evidence": "two rock fractures, 1 to 9.8 MPa",
+    },
+    {
+        "name": "tangential_stiffness_per_area", "computed_over_measured": None, "in_interval": False,
+        "evidence": "not validated",
+    },
+]  # fmt: skip
+"""The model errors as JSON objects."""
+
+
+def closure_start_title(start_pressure: Estimate) -> str:
+    """Return the title of the column with the pressure from which closures are counted."""
+    return estimate_column_titles("closure counted from", start_pressure.unit)["value"]
 
 
 # ---- Tables ----------------------------------------------------------------------------------------------------------
@@ -45,6 +72,8 @@ def joint_frame(table: JointTable) -> pandas.DataFrame:
             columns[titles["upper"]] = [estimate.upper for estimate in estimates]
         if any(estimate.kind for estimate in estimates):
             columns[f"{title}: kind"] = [estimate.kind for estimate in estimates]
+    constant_columns = {closure_start_title(table.closure_from): table.closure_from.value, **MODEL_ERROR_COLUMNS}
+    columns |= {title: [cell] * len(table.rows) for title, cell in constant_columns.items()}
     columns["assessment"] = [row.assessment for row in table.rows]
     columns["computed"] = [int(row.is_computed) for row in table.rows]
     return pandas.DataFrame(columns)
@@ -68,7 +97,8 @@ def joint_json(table: JointTable, source: str) -> str:
     assessments = [{"load": row.load, "assessment": row.assessment} for row in table.rows]
     return (
         record_json(
-            "export", estimate_records, kind="joint", units=units, assessments=assessments, notes=list(table.notes),
+            "export", estimate_records, kind="joint", units=units, assessments=assessments,
+            closure_from=table.closure_from.to_record(), model_errors=MODEL_ERRORS, notes=list(table.notes),
             sentence=source,
         )
         + "\n"
@@ -87,17 +117,14 @@ def abaqus_card(table: JointTable, source: str) -> str:
         *_describe_source(table, source, "** "),
         *_comment_table(table, "** ", given=("closure", "friction_50")),
         *_format_comment(
-            "Pressure, closure. The slave surface needs TYPE=NODE TO SURFACE in CalculiX. Below the first pressure the "
-            "curve is a straight line; above the last pressure it is not known. Unloading follows the same curve, "
-            "although it is stiffer if contacts have yielded.", "** ",
+            "Pressure, closure. The slave surface needs TYPE=NODE TO SURFACE in CalculiX. "
+            f"{_describe_curve_start(table)} Above the last pressure the curve is not known. Unloading follows the "
+            "same curve, although it is stiffer if contacts have yielded.", "** ",
         ),
         "*SURFACE INTERACTION, NAME=JOINT",
         "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR",
         "0, 0",
-        *(
-            f"{_format_value(row.pressure)}, {_format_value(row.estimates['closure'])}"
-            for row in _list_increasing_rows(table)
-        ),
+        *(f"{_format_value(pressure)}, {_format_value(closure)}" for pressure, closure in _list_curve(table)),
     ]  # fmt: skip
     if not math.isfinite(friction.value):
         return "\n".join([*lines, "** No *FRICTION, because there is no median of mu_s: see the notes above."]) + "\n"
@@ -124,18 +151,19 @@ def abaqus_card(table: JointTable, source: str) -> str:
 
 def ansys_card(table: JointTable, source: str) -> str:
     """Return the input card for Ansys: a gasket material with the closure curve, and pressure-dependent friction."""
-    reference, rows = table.reference, _list_increasing_rows(table)
+    reference, curve = table.reference, _list_curve(table)
     stiffness = reference.estimates["tangential_stiffness_per_area"]
     lines = [
         *_describe_source(table, source, "! "),
         *_comment_table(table, "! ", given=("closure", "friction_50")),
         *_format_comment(
-            "Material 1: closure and pressure of interface elements (INTER192 to INTER195). They have no friction: use "
-            "either this material or contact elements with material 2. Unloading follows the same curve, although it "
-            "is stiffer if contacts have yielded.", "! ",
+            "Material 1: closure and pressure of interface elements (INTER192 to INTER195). "
+            f"{_describe_curve_start(table)} The elements have no friction: use either this material or contact "
+            "elements with material 2. Unloading follows the same curve, although it is stiffer if contacts have "
+            "yielded.", "! ",
         ),
-        f"TB,GASKET,1,,{len(rows)},COMP",
-        *(f"TBPT,,{_format_value(row.estimates['closure'])},{_format_value(row.pressure)}" for row in rows),
+        f"TB,GASKET,1,,{len(curve)},COMP",
+        *(f"TBPT,,{_format_value(closure)},{_format_value(pressure)}" for pressure, closure in curve),
     ]  # fmt: skip
     if math.isfinite(stiffness.value):
         lines += [
@@ -184,13 +212,43 @@ def liggghts_card(table: JointTable, source: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _list_increasing_rows(table: JointTable) -> list[JointRow]:
-    """Return the rows of a joint table with a larger closure than all rows before, as other programs require."""
-    rows: list[JointRow] = []
+def _list_curve(table: JointTable) -> list[tuple[Estimate, Estimate]]:
+    """Return the points (pressure, closure) of the curve that a card contains after the origin.
+
+    Other programs require increasing closures. If the closure is counted from a pressure, a straight line leads from
+    the origin to this pressure, so that the curve has no soft start. The closures of the curve then exceed those of the
+    table by `_find_start_closure`.
+    """
+    start_closure, curve = _find_start_closure(table), []
+    last_closure = 0.0
     for row in table.rows:
-        if row.estimates["closure"].value > (rows[-1].estimates["closure"].value if rows else 0.0):
-            rows.append(row)
-    return rows
+        closure = row.estimates["closure"]
+        closure = replace(closure, value=closure.value + start_closure)
+        if row.pressure.value >= table.closure_from.value and closure.value > last_closure:
+            curve.append((row.pressure, closure))
+            last_closure = closure.value
+    return curve
+
+
+def _find_start_closure(table: JointTable) -> float:
+    """Return the closure of a straight line from the origin to the pressure from which closures are counted.
+
+    The line has the stiffness of closure at this pressure. The closure is 0 for closures since first contact.
+    """
+    start_rows = [row for row in table.rows if row.pressure.value == table.closure_from.value]
+    return start_rows[0].pressure.value / start_rows[0].estimates["closure_stiffness"].value if start_rows else 0.0
+
+
+def _describe_curve_start(table: JointTable) -> str:
+    """Return the sentence that describes the curve of a card below its first pressure."""
+    start_closure = _find_start_closure(table)
+    if start_closure == 0:
+        return "Below the first pressure the curve is a straight line."
+    return (
+        f"Below {table.closure_from.value:.6g} {table.units.pressure}, from which the closure is counted, the curve is "
+        f"a straight line with the stiffness at this pressure; its {start_closure:.4g} {table.units.length} are added "
+        "to all closures."
+    )
 
 
 def _format_value(estimate: Estimate) -> str:
