@@ -166,8 +166,8 @@ def shear_test(
         Over `normal_stress` (GPa), up to that of the load: `closure` (µm) at the start of the path, and its derivative
         `closure_stiffness` (MPa/mm).
 
-        With ranges or strips, over `end` ("lower", "upper"): `friction_coefficient_interval`, `shear_stress_interval`,
-        `dilation_interval`, `closure_interval` and `closure_stiffness_interval`, 95 %.
+        With ranges or strips that change them, over `end` ("lower", "upper"): `friction_coefficient_interval`,
+        `shear_stress_interval`, `dilation_interval`, `closure_interval` and `closure_stiffness_interval`, 95 %.
 
         Attributes: `peak`, `peak_displacement_um`, `peak_dilation_angle_deg`, `peak_shear_stress_GPa`, `end` (value at
         the end of the path), with limits such as `peak_lower` and `peak_upper`, and `peak_status`, which is not "ok" if
@@ -202,8 +202,8 @@ def shear_test(
     no interval there. Each strip is sheared under the same normal stress, free of the other strips; the standard error
     of the mean over the strips, with Student's t distribution, stands for another piece of the same joint. It does not
     include wavelengths longer than the width of a strip. An interval of the displacement at the peak includes the
-    displacements before and after the peak. The dilation angle at the peak has no interval if no input or strip changes
-    it.
+    displacements before and after the peak. A curve, and the dilation angle at the peak, have no interval if no input
+    or strip changes them. A value equals one of its limits if both limits of an input change it in the same direction.
 
     Examples
     --------

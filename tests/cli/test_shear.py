@@ -301,9 +301,25 @@ def test_exported_parameters_contain_the_printed_peak_and_the_stiffness_at_each_
     assert last_row["dilation angle at the peak (deg)"] == pytest.approx(attributes["peak_dilation_angle_deg"])
     assert last_row["dilation at the end (mm)"] == pytest.approx(1e-3 * float(test["dilation"][-1]))
     assert last_row["Z2"] == pytest.approx(attributes["z2"])
+    assert (table["closure counted from (MPa)"] == 0).all()
+    assert table["intervals"].unique().tolist() == ["95 % intervals: μ0"]
     assert table["peak friction angle (deg)"][:-1].isna().all()
     ratio = last_row["shear strength (MPa)"] / last_row["normal stress at the shear strength (MPa)"]
     assert ratio == pytest.approx(last_row["peak friction coefficient"], rel=1e-3)
+
+
+def test_exported_parameters_state_that_they_have_no_intervals_if_inputs_are_exact(tmp_path):
+    options = {"path": "0.2 mm", "steps": 2, "mu0": 0.6, "hardness": "300 MPa", **LOAD_AND_ELASTICITY}
+    test = shear_test(*create_faces(), **options)
+    for ending in ("csv", "json"):
+        export_shear_test(test, tmp_path / f"parameters.{ending}", joint=True)
+    table = pandas.read_csv(tmp_path / "parameters.csv")
+    assert not [title for title in table if title.endswith((": lower", ": upper"))]
+    record = json.loads((tmp_path / "parameters.json").read_text(encoding="utf-8"))
+    (text,) = table["intervals"].unique()
+    assert text == record["intervals"]
+    assert text.startswith("no intervals")
+    assert any("error of the model" in note for note in record["notes"])
 
 
 def test_exported_shear_strength_and_normal_stress_are_at_one_displacement(tmp_path):
@@ -347,6 +363,7 @@ def test_export_command_rejects_options_that_do_not_apply_to_shear_tests(rough_d
         (("x.inp", "--joint"), "must end in .csv"),
         (("x.tex",), "must end in .nc (the whole test) or .csv (the curve)"),
         (("x.txt", "--gap"), "must end in .npy (a NumPy array) or .csv (a matrix)"),
+        (("x.csv", "--joint", "--closure-from", "1 MPa"), "--closure-from does not apply to shear tests"),
         (("x.csv", "--load", "1 MPa"), "--load does not apply to shear tests; remove --load 1 MPa"),
         (("x.csv", "--units", "m,N,Pa"), "--units requires --joint"),
         (("x.csv", "--joint", "--gap"), "--joint cannot be combined with --gap"),
@@ -511,6 +528,24 @@ def test_shear_peak_of_perfectly_mated_faces_has_a_caveat_because_the_peak_prece
     test = shear_test(*create_faces(), path="0.5 mm", steps=2, mu0=0.6, tau0="3 MPa", **LOAD_AND_ELASTICITY)
     assert test.attrs["peak_displacement_um"] == 0
     assert "The peak is before the faces move" in " ".join(list_caveats(test))
+
+
+@pytest.mark.parametrize(
+    ("noise", "steps", "remedy"),
+    [
+        (0.0, 2, "Report the peak with its spacing (50 µm), or scan both faces"),
+        (0.5, 2, "use a finer scan"),
+        (0.0, 1, "use more steps"),
+    ],
+)
+def test_peak_at_the_first_displacement_has_a_caveat_whose_remedy_suits_the_fit_of_the_faces(noise, steps, remedy):
+    upper, lower = create_faces()
+    upper = Surface(upper.heights + np.random.default_rng(3).normal(0, noise, MAP_SHAPE), spacing=upper.spacing)
+    options = {"mu0": 0.6, "hardness": "150 MPa", **LOAD_AND_ELASTICITY}
+    test = shear_test(upper, lower, path="0.1 mm", steps=steps, **options)
+    test = test.assign(friction_coefficient=("displacement", np.r_[0.5, 1.0, np.full(steps - 1, 0.9)]))
+    (caveat,) = [caveat for caveat in list_caveats(test) if "The peak is at the first displacement" in caveat]
+    assert remedy in caveat
 
 
 def test_shear_test_has_caveats_about_missing_hardness_and_about_load_at_the_edges_of_faces():

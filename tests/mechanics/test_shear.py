@@ -396,7 +396,7 @@ def test_interval_of_the_peak_displacement_includes_the_neighbouring_steps():
     assert upper >= float(result.displacement[peak + 1])
 
 
-def test_dilation_angle_has_no_interval_if_no_uncertain_input_affects_the_angle():
+def test_dilation_and_closure_have_no_interval_if_no_uncertain_input_affects_them():
     options = {"path": "200 um", "steps": 8, "mu0": "0.58..0.62"}
     result = run_shear_test(create_rough_map(), hardness="200 MPa", **options)
     assert result.attrs["peak_lower"] < result.attrs["peak_upper"]
@@ -404,6 +404,9 @@ def test_dilation_angle_has_no_interval_if_no_uncertain_input_affects_the_angle(
     assert headline_estimates(result)["dilation_angle_at_peak"].kind == ""
     by_hardness = run_shear_test(create_rough_map(), hardness="100..400 MPa", **options)
     assert by_hardness.attrs["peak_dilation_angle_deg_lower"] < by_hardness.attrs["peak_dilation_angle_deg_upper"]
+    for name in ("dilation", "closure"):
+        assert f"{name}_interval" not in result
+    assert "dilation_interval" in by_hardness
 
 
 # ---- Strips ----------------------------------------------------------------------------------------------------------

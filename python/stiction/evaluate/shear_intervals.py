@@ -276,7 +276,8 @@ def add_shear_intervals(
     where fewer than two strips have a solution. If the contact has no solution at a limit of an input, dilation and
     closure have no interval there, and the upper limit of friction is infinite; the lower limit is 0 unless the faces
     lock. Each interval contains the computed number. The interval of the displacement at the peak also contains the
-    displacements before and after the peak. The dilation angle has no interval if it is the same for all samples.
+    displacements before and after the peak. A curve and the dilation angle have no interval if they are the same for
+    all samples.
     """
     strip_errors = _estimate_strip_errors(test, strips) if strips else None
     if samples:
@@ -369,5 +370,7 @@ def _add_interval_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.D
             test[name].attrs | {"long_name": f"95 % interval of the {test[name].attrs['long_name']}"},
         )
         for name in (*CURVE_NAMES, *CLOSURE_NAMES)
+        # A curve that neither inputs nor strips change has no interval; its uncertainty is unknown, and not 0.
+        if not (limits[name][..., 0] == limits[name][..., 1]).all()
     }  # fmt: skip
     return test.assign_coords(end=["lower", "upper"]).assign(variables).assign_attrs(attributes)

@@ -23,8 +23,9 @@ from stiction.mechanics.friction import (
 from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR, STIFFNESS_PER_AREA_UNIT
 from stiction.mechanics.shear import CLOSURE_NAMES
 from stiction.summary.assessment import MIN_CONTACTS_PER_MEMBER_WITHOUT_CAVEAT, MIN_LOAD_FRACTION_AT_HARDNESS
-from stiction.summary.joint_table import JOINT_TITLES, JointUnits, UnitSystem
+from stiction.summary.joint_table import FIRST_CONTACT_NOTE, JOINT_TITLES, MODEL_ERROR_NOTE, JointUnits, UnitSystem
 from stiction.surfaces.joint_roughness import MAX_Z2, MIN_Z2, SAMPLING_INTERVAL
+from stiction.views.joint import closure_start_title
 from stiction.views.json_record import record_json
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.spreadsheet import frame_to_csv
@@ -47,6 +48,7 @@ MAX_INITIAL_AREA_FRACTION = 0.5
 MAX_DESIGN_PEAK_COEFFICIENT = math.tan(math.radians(70))
 # Registered faces get a caveat if their rms gap exceeds both limits.
 # One limit is a multiple of the gap's noise, the other a fraction of (Z2) · (sampling interval).
+# Faces fit perfectly if the rms gap is below the same fraction of (mean rising slope) · (first displacement).
 MAX_GAP_NOISE_RATIO, MIN_GAP_TO_HEIGHT_CHANGE_RATIO = 3.0, 0.01
 # Faces get a caveat if the initial correlation between the slopes of both faces is below this number.
 MIN_FIT_CORRELATION = 0.5
@@ -67,6 +69,13 @@ _PARAMETER_TITLES = {
     "end_dilation": "dilation at the end", "jrc": "JRC", "z2": "Z2",
 }  # fmt: skip
 """Column titles of the parameters of a joint model that hold at the normal stress of a shear test."""
+
+_PARAMETER_NOTES = [
+    f"Closure: decrease of the mean gap since first contact. {FIRST_CONTACT_NOTE}.",
+    MODEL_ERROR_NOTE,
+    "No published shear test has been compared with a computed one, and no interval contains the error of the model.",
+]
+"""Sentences on the definition of the closure and on the error of the model, for files with parameters of a joint."""
 
 CSV_SIGNATURE = _CSV_COLUMNS["load_fraction_at_hardness"][0].encode()
 """Bytes by which the program recognizes a CSV file of a shear test that it may replace."""
@@ -177,11 +186,7 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
                 "the overlap is in contact: real faces fit less well than scans that are identical."
             )
         elif peak == 1:
-            has_every_point = "x" in test.coords and displacement[1] < 1.5 * float(test["x"][1] - test["x"][0])
-            caveats.append(
-                "The peak is at the first displacement, so the true peak may be higher and earlier: use "
-                f"{'a finer scan' if has_every_point else 'more steps'}."
-            )
+            caveats.append(_describe_early_peak(test))
         at_hardness = float(test["load_fraction_at_hardness"][peak])
         if math.isnan(float(test.attrs["hardness_GPa"])):
             caveats.append(
@@ -220,6 +225,24 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
             count_text = f"{int((status == name).sum())} of {status.size} displacements"
             caveats.append(f"At {count_text}, first at {displacement_text}, the faces {words}.")
     return caveats
+
+
+def _describe_early_peak(test: xarray.Dataset) -> str:
+    """Return the caveat about a peak at the first displacement.
+
+    Finer scans of faces that fit perfectly have ever earlier peaks, because finer asperities are steeper.
+    """
+    spacing = float(test["displacement"][1])
+    if "x" in test.coords and spacing >= 1.5 * float(test["x"][1] - test["x"][0]):
+        return "The peak is at the first displacement, so the true peak may be higher and earlier: use more steps."
+    rise = spacing * float(test.attrs["rising_slope"])
+    if "gap" in test and float(np.nanstd(test["gap"].values)) < MIN_GAP_TO_HEIGHT_CHANGE_RATIO * rise:
+        return (
+            "The peak is at the first displacement, and the faces fit perfectly: a finer scan would give a higher and "
+            f"earlier peak again. Report the peak with its spacing ({format_with_unit(spacing, 'um')}), or scan both "
+            "faces: real faces have a gap, which limits the peak."
+        )
+    return "The peak is at the first displacement, so the true peak may be higher and earlier: use a finer scan."
 
 
 _INTERVAL_LABELS = {
@@ -304,8 +327,7 @@ def headline_lines(test: xarray.Dataset) -> list[str]:
             f"shear strength: {strength.text()} {strength.unit} at "
             f"{format_with_unit(float(test['displacement'][_find_shear_strength(test)]), 'um')}"
         )
-    if test.attrs["strips"] > 0 or test.attrs["uncertain_inputs"] != "":
-        lines.append(_interval_text(test.attrs))
+    lines.append(_interval_text(test.attrs))
     lines.append(_roughness_text(test.attrs))
     if "closure_stiffness" in test and not math.isnan(float(test["closure_stiffness"][-1])):
         stiffness = _read_variable(test, "closure_stiffness", "normal_stress", -1)
@@ -343,6 +365,8 @@ def _peak_lines(values: Mapping[str, Estimate]) -> list[str]:
 def _interval_text(attributes: Mapping[Any, Any]) -> str:
     """Return a line on the sources of uncertainty that the intervals of a shear test include."""
     inputs, strips = str(attributes["uncertain_inputs"]), int(attributes["strips"])
+    if not inputs and not strips:
+        return "no intervals: the inputs count as exact, and the faces are not sheared in strips"
     sources = [inputs] * bool(inputs) + [f"scatter between {strips} strips of the faces"] * bool(strips)
     return f"95 % intervals: {', '.join(sources)}"
 
@@ -454,7 +478,11 @@ def shear_parameters_csv(test: xarray.Dataset, units: UnitSystem) -> str:
         if any(estimate.has_interval for estimate in estimates):
             columns[titles["lower"]] = [estimate.lower for estimate in estimates]
             columns[titles["upper"]] = [estimate.upper for estimate in estimates]
-    return frame_to_csv(pandas.DataFrame(columns))
+    frame = pandas.DataFrame(columns)
+    # Closures are counted from first contact, at a pressure of 0.
+    frame[closure_start_title(rows[-1]["normal_stress"])] = 0.0
+    frame["intervals"] = _interval_text(test.attrs)
+    return frame_to_csv(frame)
 
 
 def shear_parameters_json(test: xarray.Dataset, units: UnitSystem) -> str:
@@ -470,7 +498,7 @@ def shear_parameters_json(test: xarray.Dataset, units: UnitSystem) -> str:
     return (
         record_json(
             "export", records, kind="shear_joint", units=unit_names, inputs=describe_inputs(test),
-            caveats=list_caveats(test),
+            intervals=_interval_text(test.attrs), notes=_PARAMETER_NOTES, caveats=list_caveats(test),
         )
         + "\n"
     )  # fmt: skip
