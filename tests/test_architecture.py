@@ -72,7 +72,7 @@ The law of a study comes from its inputs. The others build it from samples, for 
 """
 
 
-def test_friction_law_of_a_study_is_built_from_its_inputs():
+def test_friction_law_of_a_study_is_built_from_the_inputs_of_the_study():
     sources = {path.relative_to(PACKAGE_DIRECTORY).as_posix(): path for path in PACKAGE_DIRECTORY.rglob("*.py")}
     calling_modules = {
         name

@@ -443,7 +443,7 @@ def test_page_about_measured_surfaces_shows_the_output_of_its_example(run_script
 
 
 @pytest.mark.skipif(not (ROOT / "docs").exists(), reason="the directory docs is not in this tree")
-def test_page_about_the_model_shows_the_computed_numbers_of_its_two_contacts():
+def test_page_about_the_model_shows_the_numbers_computed_for_two_contacts():
     page = (ROOT / "docs/explanation/theory.md").read_text(encoding="utf-8")
     section = " ".join(page.partition("### Two contacts in numbers\n")[2].partition("\n## Asperity")[0].split())
     force, area = stiction.hertz_sphere(0.020, 50, 115)

@@ -93,7 +93,7 @@ def test_layers_import_only_from_lower_layers(layer):
             assert find_layer(imported) in allowed_layers, f"{module} imports {imported}"
 
 
-def test_layers_of_the_package_include_all_of_its_directories():
+def test_layers_of_the_package_include_every_package_directory():
     assert {path.parent.name for path in PACKAGE_DIRECTORY.glob("*/__init__.py")} == {*LAYERS} - {"facade"}
     assert {name for name in MODULES if "." not in name and not name.startswith("_")} == {*LAYERS, *FACADE_MODULES} - {
         "facade"
@@ -170,7 +170,7 @@ ALLOWED_IMPORTS_OF_VIEWS = {
 """Types that views may import from the restricted modules."""
 
 
-def test_views_import_no_modules_for_storage_or_reading_or_statistics():
+def test_views_call_no_modules_that_read_files_or_evaluate_results_or_solve_contacts():
     assert set(MODULES) >= MODULES_THAT_VIEWS_MUST_NOT_CALL
     for source in sorted(path.relative_to(PACKAGE_DIRECTORY) for path in (PACKAGE_DIRECTORY / "views").rglob("*.py")):
         for name in list_imported_names(source):

@@ -42,7 +42,7 @@ def test_words_script_groups_names_by_kind_and_counts_each_name_once_per_file(wo
 
 
 @pytest.mark.parametrize("name", ["said", "_said", "SAID"])
-def test_words_script_reports_names_that_are_rejected_in_their_directory(words_tool, name):
+def test_words_script_reports_a_name_only_in_directories_that_reject_the_name(words_tool, name):
     files = {"tests/x.py": f"{name} = 1\n", "packaging/x.py": f"{name} = 1\n"}
     faults = list(words_tool.find_name_faults(files, {"tests": ["said"]}))
     assert len(faults) == 1

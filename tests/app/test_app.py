@@ -187,7 +187,7 @@ def wait_for_report(driver):
     browser.wait_for(driver, lambda _: run_script_in_report(driver, busy_attribute) == "false")
 
 
-def test_form_accepts_an_interface_file_and_keeps_it_after_a_reload(app, empty_page, map_files, tmp_path):
+def test_form_accepts_an_interface_file_and_keeps_the_file_after_a_reload(app, empty_page, map_files, tmp_path):
     for side, scan in zip(("upper", "lower"), map_files, strict=True):
         choose_scan(empty_page, side, scan)
     fill_fields(empty_page, {name: METAL_WEB_FORM_VALUES[name] for name in ("upper", "lower", "load", "shifts")})

@@ -111,7 +111,7 @@ def test_calibrate_command_requires_two_surface_finishes_to_separate_mu0_from_ta
     assert "smooth ball" in single_pair.stdout
 
 
-def test_calibrate_command_ranks_proposed_tests_by_the_interval_they_leave_for_the_target_pair(two_finishes_directory):
+def test_calibrate_command_ranks_proposed_tests_by_the_remaining_interval_for_the_target_pair(two_finishes_directory):
     arguments = ["--pair", "ground", "--load", "80 MPa", "--measured", "0.25±0.01", "--target", "lapped"]
     text = check_stiction("calibrate", *arguments, cwd=two_finishes_directory).stdout
     assert "± μ0" not in text

@@ -298,7 +298,7 @@ def test_material_name_sets_the_modulus_and_the_hardness_and_the_yield_strength(
         parse_study(scans_directory, *MAP_ARGUMENTS, *arguments, "--hardness", "1 GPa")
 
 
-def test_load_steps_start_at_the_requested_load_if_it_is_the_smallest_allowed_load(scans_directory):
+def test_load_steps_start_at_a_requested_load_that_equals_the_smallest_allowed_load(scans_directory):
     steps = parse_study(
         scans_directory, *PROFILE_FILES, "--mu0", "0.3", "--effective-modulus", "10 GPa", "--load", "1e-12 mN"
     ).contact.loading_steps()
@@ -458,7 +458,7 @@ def test_pair_command_writes_table_and_figure_even_if_the_report_is_too_large(sc
         ("cli.result_output.print_resolution_and_onset", "2 of 2 positions are finished and stored"),
     ],
 )
-def test_pair_command_interrupted_while_it_writes_files_has_already_printed_its_result(
+def test_pair_command_interrupted_during_file_output_has_already_printed_the_result(
     function, message, scans_directory, tmp_path, monkeypatch
 ):
     def interrupt(*_, **__):
@@ -1111,7 +1111,7 @@ def test_half_space_model_is_the_default_for_profiles_of_metals(scans_directory)
         )
 
 
-def test_width_option_converts_the_force_on_the_specimen_to_the_force_on_1_um_of_its_width(scans_directory):
+def test_width_option_converts_the_force_on_the_specimen_to_the_force_per_um_of_specimen_width(scans_directory):
     arguments = ["--effective-modulus", "10 GPa", "--mu0", "0.3"]
     study = parse_study(scans_directory, *PROFILE_FILES, *arguments, "--load", "5 N", "--width", "5 mm")
     assert [float(load) for load in study.friction.load] == [1.0]

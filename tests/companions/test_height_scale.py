@@ -308,7 +308,7 @@ def test_height_factors_outside_the_allowed_range_are_rejected(factors):
         parse_height_factors(factors)
 
 
-def test_height_factor_is_rejected_if_its_product_with_the_factor_of_any_scan_is_too_large():
+def test_height_factor_is_rejected_if_the_product_with_the_factor_of_a_scan_is_too_large():
     body = MeasuredBodySettings.model_validate([{"file": "a.csv"}, {"file": "b.csv", "height_factor": 50.0}])
     assert [scan.height_factor for scan in body.with_height_factor(2.0).scans] == [2.0, 100.0]
     with pytest.raises(ValueError, match=r"height_factor must be from 0\.01 to 100, got 500 for b\.csv"):

@@ -537,7 +537,7 @@ def test_friction_coefficient_of_adhesive_surfaces_increases_as_the_load_decreas
     assert curve.with_sliding("opposing").normal_elastic == pytest.approx(curve.normal_elastic)
 
 
-def test_pressures_at_zero_work_of_adhesion_are_bit_identical_to_those_without_adhesion():
+def test_pressures_at_zero_work_of_adhesion_are_bit_identical_to_pressures_without_adhesion():
     bodies, adhesion_options = create_ball_on_flat(1.0)
     curve_without_adhesion = half_space(*bodies, [1e-4, 2e-4], effective_modulus=1.0)
     zero_adhesion_curve = half_space(

@@ -320,7 +320,7 @@ class TestSurfaceScalingAndSymmetry:
             INVARIANCE_TOLERANCE,
         )
 
-    def test_contact_sums_for_several_directions_equal_those_for_each_direction_alone(self):
+    def test_contact_sums_for_several_directions_equal_sums_computed_for_single_directions(self):
         upper, lower = create_rough_surfaces()
         curve_of_all_directions = self.press_in_all_directions(upper, lower)
         assert curve_of_all_directions.direction.tolist() == [angle % 360 for angle in MOTION_ANGLES]

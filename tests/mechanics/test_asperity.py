@@ -9,7 +9,7 @@ SPLINE_TOLERANCE = 1e-12
 
 @pytest.mark.parametrize("side", ["lower", "upper"])
 @pytest.mark.parametrize("dimension", [1.0, 1.7])
-def test_slope_and_curvature_of_asperities_equal_those_of_a_natural_spline_from_scipy(
+def test_slope_and_curvature_of_asperities_equal_values_of_a_natural_spline_from_scipy(
     create_rough_profiles, dimension, side
 ):
     profile = create_rough_profiles(dimension)[0]

@@ -786,7 +786,7 @@ def test_half_space_problems_on_equal_grids_share_kernels():
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_half_space_solutions_for_several_loads_equal_those_for_single_loads(boundary):
+def test_half_space_solutions_for_several_loads_equal_solutions_for_single_loads(boundary):
     """Check that starting from the solution at a nearby load changes a solution by less than the tolerance."""
     body = periodic_body((48, 40))
     upper = flat_like(body)
@@ -985,7 +985,7 @@ print(curve.contact_area.tobytes() == expected.contact_area.tobytes())
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the limit of the address space applies to threads on Linux only")
-def test_half_space_uses_fewer_threads_if_the_system_cannot_create_all():
+def test_half_space_uses_fewer_threads_if_the_system_cannot_create_all_threads():
     import resource
 
     stack_size = 2**30

@@ -283,7 +283,7 @@ def test_resolution_dataset_has_units_and_can_be_written_to_netcdf(pair_and_reso
         xr.testing.assert_equal(stored_dataset.load(), result)
 
 
-def test_results_of_the_resolution_function_at_an_unsolved_load_are_nan_and_progress_completes(monkeypatch):
+def test_resolution_function_returns_nan_at_an_unsolved_load_and_completes_the_progress(monkeypatch):
     from stiction.mechanics import resolution as module
 
     upper, lower = create_rough_surfaces(points=32, spacing=0.16)

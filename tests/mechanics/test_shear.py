@@ -89,7 +89,7 @@ def test_coarse_sawtooth_has_the_friction_of_rounded_tips():
     assert smooth_result.friction_coefficient[1] == pytest.approx(0.167, abs=1e-3)
 
 
-def test_sawtooth_slides_by_itself_after_its_tips_have_passed_each_other():
+def test_sawtooth_slides_downhill_after_the_tips_have_passed_each_other():
     result = run_shear_test(create_sawtooth(400), path="60 um", steps=12, mu0=0.05, boundary="periodic")
     assert result.status.values[-1] == "downhill"
     assert np.isnan(result.friction_coefficient[-1])
@@ -574,7 +574,7 @@ def test_missing_points_are_excluded_from_the_overlap_of_a_shear_test():
 # ---- Registration ----------------------------------------------------------------------------------------------------
 
 
-def test_shear_test_of_registered_faces_starts_at_their_best_fit():
+def test_shear_test_of_registered_faces_starts_at_the_position_of_best_fit():
     large_map = create_rough_map(96)
     upper, lower = (
         Surface(large_map.heights[row : row + 80, column : column + 80], spacing=large_map.spacing)

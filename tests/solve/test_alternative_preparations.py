@@ -228,7 +228,9 @@ def test_alternative_preparation_is_evaluated_once_for_the_interval_and_caveats_
 
 
 @pytest.mark.parametrize("is_evaluated", [True, False])
-def test_caveat_mentions_the_alternative_preparation_only_if_the_interval_includes_it(spiked_result, is_evaluated):
+def test_caveat_mentions_the_alternative_preparation_only_if_the_interval_includes_its_result(
+    spiked_result, is_evaluated
+):
     at, study = spiked_result.at(), spiked_result.study
     other_at = add_uncertainty(at_load(spiked_result.alternatives["spikes"], at["load"].values), spiked_result)
     if not is_evaluated:

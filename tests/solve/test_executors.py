@@ -166,7 +166,7 @@ def test_figures_and_numbers_of_a_report_are_evaluated_in_two_forked_processes(s
     assert len(set(words[2::3])) == 2
 
 
-def test_figures_drawn_by_two_processes_equal_those_drawn_by_one_process(stored_result, tmp_path, monkeypatch):
+def test_figures_drawn_by_two_processes_equal_figures_drawn_by_one_process(stored_result, tmp_path, monkeypatch):
     (tmp_path / "two").mkdir()
     script = f"""
         from stiction import open_result

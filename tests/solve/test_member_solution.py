@@ -162,7 +162,7 @@ def test_estimated_solution_time_of_an_adhesive_pair_increases_with_its_complian
     assert estimated_times[0] > 15 * estimated_times[2]
 
 
-def test_changed_scan_file_is_rejected_when_a_study_loads_its_bodies(tmp_path):
+def test_study_rejects_a_changed_scan_file_when_the_bodies_are_loaded(tmp_path):
     study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path)).with_checksums()
     read_measured_bodies(study)
     np.save(tmp_path / "upper.npy", np.load(tmp_path / "upper.npy") * 2)

@@ -261,7 +261,7 @@ def test_remaining_time_of_a_run_is_estimated_from_the_time_of_its_first_block()
     assert runner._format_revised_time_estimate(TINY_STUDY, missing_pairs, 4, 480.0, 4, 8.5) == ""
 
 
-def test_run_computes_with_fewer_threads_if_not_all_can_start(monkeypatch):
+def test_run_computes_with_fewer_threads_if_not_all_threads_can_start(monkeypatch):
     start, started = threading.Thread.start, []
 
     def start_first(thread):

@@ -713,7 +713,7 @@ for step in range(1, 1000):
 """
 
 
-def test_run_resumes_after_it_was_killed_at_any_disk_operation(tmp_path, uninterrupted_dataset):
+def test_run_that_was_killed_at_any_disk_operation_can_be_resumed(tmp_path, uninterrupted_dataset):
     """Kill each run at its first, second, ... disk operation, with half of the file written; the next run resumes."""
     (tmp_path / "s.toml").write_text(TINY_STUDY.to_toml())
     completed = subprocess.run(

@@ -42,7 +42,7 @@ def test_distribution_of_an_input_has_95_percent_of_its_samples_between_the_limi
 
 
 @pytest.mark.parametrize("count", [1, 2, 4096])
-def test_sobol_points_equal_those_of_scipy(count) -> None:
+def test_sobol_points_equal_points_from_scipy(count) -> None:
     for dimensions in range(1, len(SOBOL_GENERATORS) + 2):
         expected_points = qmc.Sobol(dimensions, rng=np.random.default_rng(2016)).random(count)
         points = generate_sobol_points(dimensions, count, seed=2016)

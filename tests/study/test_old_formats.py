@@ -35,7 +35,7 @@ load = ["0.0324 mN"]
 
 
 @pytest.mark.parametrize("name", OLD_STUDY_TEXTS)
-def test_inputs_in_a_study_file_of_the_old_format_have_their_original_central_values(name):
+def test_inputs_in_a_study_file_of_the_old_format_keep_the_original_central_values(name):
     study, tables = parse_study(OLD_STUDY_TEXTS[name], "old"), tomllib.loads(OLD_STUDY_TEXTS[name])
     contact = tables["contact"]
     assert study.contact.effective_modulus == float(quantity(contact["effective_modulus"], "pressure"))
@@ -65,18 +65,18 @@ def test_study_file_of_the_old_format_takes_input_ranges_from_material_names():
     ('hardness = "1.1 GPa"', 'hardness = "1 GPa ± 10 %"', "1.1 GPa (1 GPa ± 10 %)"),
     ('hardness = "1 GPa"\nmaterials = ["steel", "brass"]', "", "1 GPa"),  # an entry that the user has specified
 ])  # fmt: skip
-def test_hardness_in_a_study_file_of_the_old_format_has_its_original_range(contact, known, text):
+def test_hardness_in_a_study_file_of_the_old_format_keeps_the_original_range(contact, known, text):
     assert parse_old_study(known, contact).contact.hardness.text == text
 
 
-def test_effective_modulus_of_an_old_study_keeps_its_range():
+def test_effective_modulus_of_an_old_study_keeps_the_range_of_the_modulus():
     study = parse_old_study(
         'effective_modulus = "80 GPa ± 5 %"', 'effective_modulus = "80 GPa"\ncompliance_share = 0.3'
     )
     assert (study.contact.effective_modulus.text, study.contact.compliance_share) == ("80 GPa ± 5 %", 0.3)
 
 
-def test_young_moduli_of_an_old_study_replace_its_effective_modulus():
+def test_young_moduli_of_an_old_study_replace_the_effective_modulus():
     modulus = 1 / ((1 - 0.3**2) / 200 + (1 - 0.25**2) / 70)
     share = modulus * (1 - 0.25**2) / 70
     known = 'young = ["200 GPa ± 5 %", "70 GPa"]\npoisson = ["0.3", "0.25"]'

@@ -111,7 +111,7 @@ class TestBuiltInStudies:
 class TestStudyChanges:
     """Test `Study.with_changes`."""
 
-    def test_changing_a_study_by_dotted_keys_replaces_only_their_values(self):
+    def test_changing_a_study_by_dotted_keys_replaces_only_values_of_these_keys(self):
         study = Study().with_changes(
             {
                 "ensemble.repetitions": 3, "surfaces.fractal_dimension": [1.2, 1.5], "contact.approach.count": 7,
@@ -478,7 +478,7 @@ class TestRequestedLoads:
         with pytest.raises(StudyError, match=r"contact\.load: must be below hardness times nominal area"):
             self.LISTED_LOADS_STUDY.with_changes({"contact.hardness": "10 MPa"})
 
-    def test_changing_load_or_mechanics_of_a_study_replaces_its_requested_loads(self):
+    def test_changing_the_load_or_contact_model_of_a_study_replaces_the_requested_loads(self):
         assert [
             float(load) for load in self.LISTED_LOADS_STUDY.with_changes({"contact.load": ["1 mN"]}).friction.load
         ] == [1.0]

@@ -24,7 +24,7 @@ def result_of_profiles(tmp_path_factory):
     return Result.of(run_pair_of_profiles(tmp_path_factory.mktemp("lines")))
 
 
-def test_contact_forces_in_a_figure_equal_the_forces_of_the_contacts_function(create_circular_arc):
+def test_contact_forces_in_a_figure_equal_forces_returned_by_the_contacts_function(create_circular_arc):
     upper, lower = (create_circular_arc(2.0, 5.0, 0.01, 401, side) for side in ("upper", "lower"))
     upper = Profile(upper.heights + 0.005 * np.sin(8 * upper.x), spacing=upper.spacing)
     forces = build_contact_forces(upper, lower, 0.02, mu0=0.3, tau0=0.05)

@@ -115,7 +115,7 @@ def test_fitted_laws_of_a_friction_table_recover_exact_power_laws(dataset):
     assert result["stiffness_exponent"].values == pytest.approx(1)
 
 
-def test_assessments_in_a_friction_table_equal_those_in_summaries_and_depend_on_the_sliding_rule(dataset, table):
+def test_assessments_in_friction_tables_equal_summary_assessments_and_depend_on_the_sliding_rule(dataset, table):
     result = Result.of(dataset)
     result_at_loads = result.at(100 * table["pressure"].values, load_definition="elastic")
     for point in result.summarize_dataset(result_at_loads).points:

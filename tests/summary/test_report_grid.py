@@ -173,7 +173,7 @@ ASSESSED_STUDIES = {
 
 @pytest.mark.filterwarnings("ignore:adhesion_range")
 @pytest.mark.parametrize("name", [*ASSESSED_STUDIES, "lower bounds"])
-def test_assessments_in_reports_of_generated_surfaces_equal_those_of_summaries(name):
+def test_assessments_in_reports_of_generated_surfaces_equal_summary_assessments(name):
     result = run(ASSESSED_STUDIES["adhesive" if name == "lower bounds" else name])
     if name == "lower bounds":
         dataset = result.dataset.copy(deep=True)

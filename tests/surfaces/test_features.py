@@ -15,7 +15,7 @@ from support.rough_surfaces import self_affine_map
 
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("pruning", [0.0, 0.05, 0.2])
-def test_significant_peaks_equal_those_found_by_a_slow_implementation_of_wolf_pruning(seed, pruning):
+def test_significant_peaks_equal_peaks_found_by_a_slow_implementation_of_wolf_pruning(seed, pruning):
     heights = self_affine_map(seed, 0.6, (22, 27)).heights
     for sign in (1, -1):
         threshold = pruning * float(np.ptp(heights))

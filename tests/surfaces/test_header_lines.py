@@ -82,7 +82,7 @@ def test_header_line_with_other_words_after_a_length_is_not_used_as_spacing(read
 
 
 @pytest.mark.parametrize("line", ["Resolution 0.1 um/digit", "Resolution: 10 nm/bit", "Resolution: 5 nm per LSB"])
-def test_resolution_of_heights_is_not_used_as_spacing(read_text, line):
+def test_height_resolution_in_a_header_is_not_used_as_spacing(read_text, line):
     assert "contains heights only" in get_error_message(read_text, f"{line}\nUnit: um\n{PROFILE_TEXT}")
 
 
@@ -100,7 +100,7 @@ HEADER_LINES_WITH_TWO_SPACINGS = [
 
 
 @pytest.mark.parametrize("line", TWO_SPACINGS)
-def test_two_header_spacings_without_axes_are_rejected_unless_both_spacings_are_given(read_text, line):
+def test_two_header_spacings_without_axes_are_rejected_unless_the_option_gives_both_spacings(read_text, line):
     text = f"{line}\nZ unit: um\n{MAP_TEXT}"
     assert f"its header line {line!r} does not name the axes of its spacings" in get_error_message(read_text, text)
     message = get_error_message(read_text, text, spacing="0.5 um")
@@ -269,7 +269,7 @@ def test_power_of_ten_is_read_from_a_unit_that_is_not_in_brackets(read_text, nam
 
 
 @pytest.mark.parametrize("names", ["x left;z left", "X Profil1;Z Profil1", "x_mm;z_filtered", "x mm;Profile 10 um"])
-def test_words_after_a_column_name_are_ignored_unless_they_are_units(read_text, names):
+def test_words_after_a_column_name_are_ignored_unless_these_words_are_units(read_text, names):
     assert read_text(f"{names}\n{ROWS}", unit=("mm", "um")).body.heights.tolist() == PROFILE.tolist()
 
 
@@ -329,13 +329,13 @@ def test_unit_option_does_not_replace_a_unit_that_contains_a_number(read_text):
 
 
 @pytest.mark.parametrize(("line", "unit"), [("Z: grey levels", "grey levels"), ("z = V", "V")])
-def test_unit_after_z_in_a_header_line_is_used_if_it_is_a_length_and_rejected_otherwise(read_text, line, unit):
+def test_unit_after_z_in_a_header_line_is_rejected_unless_it_is_a_unit_of_length(read_text, line, unit):
     message = get_error_message(read_text, f"{line}\n{PROFILE_TEXT}", unit="um", spacing="0.5 um")
     assert f"has heights in {unit!r}" in message
     assert read_text(f"Z: nm\n{PROFILE_TEXT}", spacing="0.5 um").unit == "nm"
 
 
-def test_header_range_that_equals_the_range_of_the_heights_determines_their_unit(read_text):
+def test_header_range_that_equals_the_range_of_the_heights_determines_the_height_unit(read_text):
     header = f"X Amplitude: 200 nm\nY Amplitude: 140 nm\nZ Amplitude: {np.ptp(MAP):.4f} nm\n"
     reading = read_text(header + MAP_TEXT)
     assert reading.body.heights == pytest.approx(MAP / 1000)
@@ -351,7 +351,7 @@ def test_header_range_that_equals_the_range_of_the_heights_determines_their_unit
     [(1, "um", False), (1, "nm", True), (1, "mm", True), (0.05, "um", True), (0.2, "um", False), (40, "um", False)],
 )
 @pytest.mark.parametrize("name", ["Z range", "Height range", "Peak to valley"])
-def test_heights_that_contradict_their_declared_range_have_a_caveat(read_text, name, factor, unit, has_caveat):
+def test_heights_that_contradict_the_range_in_the_header_have_a_caveat(read_text, name, factor, unit, has_caveat):
     header = f"{name}: {factor * np.ptp(MAP):.4g} {unit}\nUnit: um\n"
     reading = read_text(header + MAP_TEXT, spacing="0.5 um")
     assert read_caveat_names(reading) == ["range"] * has_caveat
@@ -363,7 +363,7 @@ def test_remark_in_a_column_name_is_not_a_unit(read_text, remark):
     assert read_text(f"x (mm);z ({remark})\n{ROWS}", unit=("mm", "um")).body.heights.tolist() == PROFILE.tolist()
 
 
-def test_unit_of_positions_in_a_header_line_is_used_if_it_is_a_length_and_rejected_otherwise(read_text):
+def test_unit_of_positions_in_a_header_line_is_rejected_unless_it_is_a_unit_of_length(read_text):
     assert read_text(f"X unit: mm\nx;z\n{ROWS}", unit="um").body.spacing == pytest.approx(0.5)
     assert "has positions in 's', which is not" in get_error_message(read_text, f"X unit: s\nx;z\n{ROWS}", unit="um")
 

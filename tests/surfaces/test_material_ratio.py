@@ -94,7 +94,7 @@ def test_repr_of_roughness_parameters_shows_units_and_missing_values():
     assert list(roughness_parameters(rough_profile()).values) == ["Pa", "Pq", "Pt", "Psk", "Pku", "Pdq"]
 
 
-def test_roughness_parameters_scale_with_size_as_their_units_require():
+def test_roughness_parameters_scale_with_size_according_to_their_units():
     surface = self_affine_map(2, 0.6, (30, 40))
     assert tuple(surface_parameters(surface).values) == tuple(parameter.name for parameter in SURFACE_PARAMETERS)
     result = section_parameters(rough_profile(points=4000), lc=8.0)

@@ -93,7 +93,7 @@ def test_long_map_has_the_same_heights_for_any_number_of_threads(write_file, mon
 
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize("row", [0, 57, 199])
-def test_error_in_a_long_map_states_the_line_and_the_cell_for_any_number_of_threads(
+def test_error_message_about_a_long_map_states_line_and_cell_for_any_number_of_threads(
     write_file, monkeypatch, threads, row
 ):
     monkeypatch.setattr(split_files, "num_usable_cores", lambda: threads)
@@ -155,7 +155,7 @@ def test_profile_written_in_any_text_format_is_read_with_equal_heights_and_spaci
     assert profile.history[0] == "read from scan.csv"
 
 
-def test_reader_requires_unit_and_spacing_options_for_a_file_that_does_not_state_them(write_file):
+def test_reader_requires_unit_and_spacing_options_for_a_file_without_unit_and_spacing(write_file):
     file_without_units = write_file("0,0.5\n0.1,-0.25\n0.2,1\n0.3,0.125\n0.4,2\n")
     assert 'does not contain the unit of its heights; give the unit, as in "um"' in get_error_message(
         file_without_units
@@ -259,7 +259,7 @@ def test_map_rows_without_heights_are_read_as_missing_points(tmp_path, rows):
     assert np.flatnonzero(is_missing.all(axis=1)).tolist() == list(rows)
 
 
-def test_positions_are_accepted_if_only_rounding_or_truncation_makes_their_spacing_uneven(write_file):
+def test_positions_are_accepted_if_only_rounding_or_truncation_makes_the_spacing_uneven(write_file):
     true_positions = 0.156245 * np.arange(9600)
     for printed_positions in (
         [f"{x:.1f}" for x in true_positions],

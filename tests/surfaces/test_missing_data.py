@@ -201,7 +201,7 @@ def test_outliers_of_a_map_are_the_same_in_its_transpose():
     np.testing.assert_array_equal(outliers, find_outliers(np.ascontiguousarray(heights.T)).T)
 
 
-def test_interpolation_of_points_uses_only_measured_heights_of_other_points():
+def test_interpolated_heights_depend_only_on_measured_heights_of_other_points():
     plane = np.add.outer(np.arange(20.0), 2 * np.arange(30.0))
     points, is_missing, heights = np.zeros(plane.shape, bool), np.zeros(plane.shape, bool), plane.copy()
     points[4, 5:8], is_missing[4, 8:11], heights[4, 5:11] = True, True, 1e3

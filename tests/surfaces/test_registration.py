@@ -16,7 +16,7 @@ def cut_piece(surface, row, column, points=128):
     return Surface(surface.heights[row : row + points, column : column + points], spacing=surface.spacing)
 
 
-def test_registration_of_two_pieces_of_a_map_finds_their_shift_exactly():
+def test_registration_of_two_pieces_of_a_map_finds_the_exact_shift():
     upper, lower, registration = register_faces(cut_piece(LARGE_MAP, 37, 28), cut_piece(LARGE_MAP, 30, 40))
     assert registration.shift == (350.0, -600.0)
     assert registration.rotation == 0

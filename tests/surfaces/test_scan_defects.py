@@ -87,7 +87,7 @@ def test_cached_defects_are_released_together_with_their_scan():
     assert reference() is None
 
 
-def test_scan_file_is_read_once_for_its_relative_and_absolute_paths(scan_directory):
+def test_scan_file_given_by_relative_and_absolute_paths_is_read_only_once(scan_directory):
     relative, absolute = (
         MeasuredBodySettings(file=str(file), unit="um", spacing="0.1 um")
         for file in ("upper.npy", scan_directory / "upper.npy")

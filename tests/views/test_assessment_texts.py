@@ -97,7 +97,7 @@ def test_summary_has_one_result_point_for_each_cutoff():
         (((0.0, 1.0), (1.0, 0.0)), "none to 1 µm"),
     ],
 )
-def test_text_about_cutoffs_lists_the_cutoffs_of_both_scans_if_they_differ(cut_offs, expected_text):
+def test_text_about_cutoffs_lists_the_cutoffs_of_both_scans_if_these_cutoffs_differ(cut_offs, expected_text):
     assert cutoff_text(cut_offs) == expected_text
 
 
@@ -184,7 +184,7 @@ CAUTION_CASES = {
 
 
 @pytest.mark.parametrize("case_name", CAUTION_CASES)
-def test_result_with_a_caution_has_a_caveat_that_states_the_reason(case_name):
+def test_result_with_a_caution_has_a_caveat_that_states_the_reason_for_the_caution(case_name):
     caution_changes, expected_words = CAUTION_CASES[case_name]
     point = summarize_single_point(measured_result(**caution_changes), measured_study())
     assert point.assessment == "Quote with care"
@@ -403,7 +403,7 @@ def test_summary_interval_contains_the_filtered_and_the_unfiltered_coefficient(i
     assert summary_of_all.reported_points == list(summary_of_all.points)
 
 
-def test_summary_without_an_interval_has_no_row_for_possible_noise_in_the_uncertainty_budget():
+def test_uncertainty_budget_of_a_result_without_an_interval_has_no_entry_for_possible_noise():
     dataset = measured_result(cut_offs=(0.5, 0.0), half_width_ratio=0.02, all_contacts=0.25)
     study = measured_study(hardness=2.0).with_changes({"surfaces.both_readings": True})
     assert [entry.label for entry in summarize(dataset, study).points[0].budget] == [POSSIBLE_NOISE_INPUT_NAME]
@@ -475,7 +475,7 @@ def test_text_of_inputs_states_materials_and_the_hardness_range_of_the_softer_bo
     ("tau0", "expected_words"),
     [(0.01, None), (0.05, "τ0 is 45 % of the shear strength of the softer body"), (0.13, "no upper limit")],
 )
-def test_neglected_junction_growth_adds_a_caveat_if_it_would_raise_friction_by_5_percent(tau0, expected_words):
+def test_junction_growth_that_would_raise_friction_by_5_percent_adds_a_caveat_if_neglected(tau0, expected_words):
     dataset = measured_result(load_share_at_hardness=0.9, mu0=(0.1 if tau0 < 0.02 else 0.2,), tau0=(tau0,))
     caveats = summarize(dataset, study_with_materials(0.625)).points[0].caveats
     growth_caveats = [caveat.text for caveat in caveats if "junction growth" in caveat.text]
@@ -560,7 +560,7 @@ def test_text_about_finer_scans_states_the_hardness():
 
 
 @pytest.mark.parametrize(("half_width", "is_stated"), [(0.02, True), (0.5, False)])
-def test_effect_of_finer_scans_is_stated_unless_it_is_small_compared_with_the_interval(half_width, is_stated):
+def test_effect_of_finer_scans_is_stated_unless_the_effect_is_small_compared_with_the_interval(half_width, is_stated):
     point = summarize_single_point(measured_result(), measured_study(hardness=3.0))
     rules = tuple(replace(rule, lower=rule.value - half_width, upper=rule.value + half_width) for rule in point.rules)
     text = " ".join(point_detail_sentences(replace(point, rules=rules)))
@@ -629,7 +629,7 @@ def test_caveat_about_few_contacts_of_a_single_gap_does_not_mention_positions():
     )  # fmt: skip
 
 
-def test_caveat_object_contains_the_checked_value_and_its_limit():
+def test_caveat_object_contains_the_checked_value_and_the_limit_of_this_value():
     (caveat,) = summarize_single_point(measured_result(share_at_edge=0.6), measured_study()).caveats
     assert (caveat.name, caveat.value, caveat.limit) == ("share_at_edge", pytest.approx(0.6), 0.5)
     assert caveat.text == "60 % of the load is on contacts at the edge"

@@ -225,7 +225,7 @@ def test_fitted_band_that_starts_at_a_spectral_peak_is_reported():
     assert "begins on a peak" not in characterisation_text(rough_profile, band=(0.2, 8.2))
 
 
-def test_spectrum_and_hurst_exponent_exclude_outliers_but_roughness_parameters_include_them(profile, surface):
+def test_spectrum_and_hurst_exponent_but_not_roughness_parameters_exclude_outliers(profile, surface):
     for body, height_name, moments_name in ((profile, "Pt", "m2"), (surface, "Sz", None)):
         heights = body.heights.copy()
         heights.flat[np.arange(331, heights.size, heights.size // 20)] += 10 * float(heights.std())

@@ -369,7 +369,9 @@ def test_compass_figure_shows_the_mean_in_each_direction_on_an_axis_that_starts_
     assert 4 <= len(axes.get_yticks()) <= 6
 
 
-def test_positions_figure_sorts_maps_by_value_and_profiles_by_position(maps_at_two_cutoffs, profiles_dataset):
+def test_positions_figure_sorts_pairs_of_maps_by_value_and_pairs_of_profiles_by_position(
+    maps_at_two_cutoffs, profiles_dataset
+):
     line_of_maps = draw_figure(maps_at_two_cutoffs, "positions").axes[0].lines[0]
     assert np.array_equal(line_of_maps.get_xdata(), np.arange(1, 17))  # 16 points: 4 members in 4 directions
     assert (np.diff(line_of_maps.get_ydata()) >= 0).all()

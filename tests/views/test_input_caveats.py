@@ -98,7 +98,7 @@ def test_interface_adds_a_caveat_only_if_the_ranges_of_mu0_and_tau0_are_unknown(
     assert interface(name).has_unknown_range == has_caveat
 
 
-def test_spikes_of_a_profile_add_a_caveat_that_states_their_number(rough_profile):
+def test_spikes_of_a_profile_add_a_caveat_that_states_the_number_of_spikes(rough_profile):
     heights = rough_profile.heights.copy()
     heights[[500, 1200]] += 2 * MIN_SPIKE_SHARPNESS_RATIO * np.abs(np.diff(heights, 2)).max()
     caveats = find_caveat_texts(Profile(heights, spacing=rough_profile.spacing), rough_profile)
@@ -116,7 +116,7 @@ def test_spikes_at_profile_ends_and_spikes_of_several_points_add_a_caveat(rough_
 
 
 @pytest.mark.parametrize("kind", [kind for kind in MACHINED_SURFACES if kind != "milled"])
-def test_cusps_of_machined_profiles_are_not_spikes(kind):
+def test_cusps_of_machined_profiles_are_not_reported_as_spikes(kind):
     for seed in range(3):
         heights = 0.02 * scale_to_unit_rms(MACHINED_SURFACES[kind](np.random.default_rng(seed), 1))
         assert not any(
@@ -125,7 +125,7 @@ def test_cusps_of_machined_profiles_are_not_spikes(kind):
 
 
 @pytest.mark.parametrize("kind", MACHINED_SURFACES)
-def test_spikes_of_a_map_add_a_caveat_that_states_their_number(kind):
+def test_spikes_of_a_map_add_a_caveat_that_states_the_number_of_spikes(kind):
     rng = np.random.default_rng(1)
     heights = 0.02 * scale_to_unit_rms(MACHINED_SURFACES[kind](rng, 2))
 
@@ -390,7 +390,7 @@ def form_texts(body, **options):
     ]
 
 
-def test_spherical_map_adds_a_caveat_unless_its_form_is_removed():
+def test_spherical_map_adds_a_caveat_unless_the_spherical_form_is_removed():
     y, x = np.indices((256, 256)) / 255 - 0.5
     capped_map = Surface(0.5 * short_wave_map(1) - 4 * 2 * (x**2 + y**2), spacing=0.5)
     assert [text.split(" contributes")[0] for text in form_texts(capped_map)] == ["form (a parabola)"]
@@ -466,7 +466,7 @@ def test_faces_that_fit_better_when_mirrored_add_a_caveat_with_both_gaps_and_a_r
     assert find_mirror_caveats(Surface(matching_face[::-1, ::-1], spacing=2.0), lower, rotate=180) == []
 
 
-def test_faces_add_no_mirroring_caveat_if_they_do_not_match_or_their_positions_are_given():
+def test_mirroring_caveat_is_omitted_for_faces_that_do_not_match_or_have_given_positions():
     upper, lower = (Surface(short_wave_map(seed, 96), spacing=2.0) for seed in (7, 8))
     assert find_mirror_caveats(upper, lower) == []
     matching_face = Surface(flipped(lower).heights[::-1], spacing=2.0)

@@ -42,7 +42,7 @@ def test_latex_table_has_one_row_for_each_quoted_coefficient(summary_name):
     assert not re.search(r"(?<!\\)[%#_]", re.sub(r"^% .*$|\$.*?\$", "", table, flags=re.MULTILINE))
 
 
-def test_latex_table_states_common_conditions_in_comments():
+def test_latex_table_states_conditions_common_to_all_rows_in_comments():
     table = latex_table(SUMMARIES_BY_NAME["pair"])
     assert "% $\\mu_0$ = 0.2" in table
     header, *rows = parse_table_cells(table)

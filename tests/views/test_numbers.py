@@ -116,7 +116,7 @@ def test_report_script_prints_numbers_with_as_many_decimals_as_the_terminal_outp
         ("um", [0.0421, 1.0, 2500.0]),
     ],
 )
-def test_report_script_prints_numbers_of_caveats_like_the_terminal_output(report_evaluator, shown, values):
+def test_report_script_prints_numbers_in_caveats_like_the_terminal_output(report_evaluator, shown, values):
     check = LimitCheck("name", 0.5, "{}", "check it", shown=shown)
     array = NumberArray(np.array(values), list_number_formats(shown))
     texts = report_evaluator(
@@ -288,7 +288,7 @@ def test_area_in_reports_of_generated_surfaces_has_the_unit_and_digits_of_termin
     assert {"µm²", "mm²"} <= texts
 
 
-def test_validity_indicators_in_reports_of_profiles_equal_those_in_tables(generated_dataset, report_evaluator):
+def test_validity_indicators_in_reports_of_profiles_equal_indicators_in_tables(generated_dataset, report_evaluator):
     study = parse_study_of_dataset(generated_dataset)
     mu0, tau0 = study.friction.mu0[1], float(study.friction.tau0[1])
     load = report_evaluator.facts["loads"]["values"][25]
@@ -349,7 +349,7 @@ def test_friction_in_reports_of_measured_surfaces_equals_library_values(dataset_
     assert max(errors) < MAX_PACKING_ERROR
 
 
-def test_coefficient_texts_in_a_report_equal_those_of_the_summary(dataset_and_evaluator):
+def test_coefficient_texts_in_a_report_equal_coefficient_texts_of_the_summary(dataset_and_evaluator):
     dataset, report_evaluator = dataset_and_evaluator
     study = parse_study_of_dataset(dataset)
     reference = at_load(dataset, [float(load_index) for load_index in study.friction.load])

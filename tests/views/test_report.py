@@ -136,7 +136,7 @@ def test_report_states_how_each_scan_file_was_read(tmp_path):
 
 @pytest.mark.usefixtures("disable_figures")
 @pytest.mark.parametrize("fixture_name", ["maps_dataset", "profiles_dataset"])
-def test_report_contains_area_fractions_only_if_the_terminal_output_contains_them(fixture_name, request):
+def test_report_contains_area_fractions_only_if_the_terminal_output_contains_area_fractions(fixture_name, request):
     """The nominal area of spheres on a strip has no meaning."""
     result = Result(request.getfixturevalue(fixture_name))
     content = measured_report_content(collect_report_data(result), evaluate_measured_values(result), "")
