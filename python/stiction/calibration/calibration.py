@@ -142,11 +142,13 @@ def calibrate(
     is_separated = any(value is not None for value in known_strengths) or (
         len(tests) > 2 and first_problem.area_per_load_variation >= MIN_AREA_VARIATION
     )
+    area_per_load_of_tests = fits[0].area_per_load_of_tests
+    mean_area_per_load = first_problem.average_over_tests(area_per_load_of_tests)
     test_points = [
         (float(ratio), float(test.coefficient or 0.0), float(test.uncertainty or math.nan), test.slid)
-        for ratio, test in zip(first_problem.fitted_area_per_load, tests, strict=True)
+        for ratio, test in zip(area_per_load_of_tests, tests, strict=True)
     ]
-    advice = () if is_separated else first_problem.suggest_tests()
+    advice = () if is_separated else first_problem.suggest_tests(mean_area_per_load)
     header_entries = {"kind": "measured"} | (
         {HARDNESS_HEADER_ENTRY: first_problem.shared_hardness.text} if first_problem.shared_hardness else {}
     )
@@ -157,7 +159,7 @@ def calibrate(
     )
     interface = Interface(
         tuple(fits),
-        first_problem.mean_area_per_load,
+        mean_area_per_load,
         first_problem.area_per_load_variation,
         is_separated,
         advice,

@@ -272,30 +272,14 @@ class CalibrationProblem:
     def _weights_of_tests(self) -> Floats:
         return np.where(self.slid, 1.0 / self.error**2, 0.0)
 
-    @property
-    def fitted_area_per_load(self) -> Floats:
-        """True area per load (1/GPa) of each test; contacts that grow under shear have their area at the best fit.
-
-        If friction acts at opposing contacts only, their friction is higher than the measured coefficient, and so is
-        their growth.
-        """
-        if not self.has_growing_contacts:
-            return np.asarray(self.area_per_load)
-        best_fit = self.best_fit
-        mu0_coefficient, tau0_coefficient, _ = self._compute_equation_coefficients(
-            best_fit.scores[np.newaxis], np.array([best_fit.mu0]), np.array([best_fit.tau0])
-        )
-        return np.asarray(tau0_coefficient[0] / mu0_coefficient[0])
-
-    @property
-    def mean_area_per_load(self) -> float:
-        """Mean of `fitted_area_per_load` (1/GPa) over the tests with sliding, weighted by 1/error²."""
-        return float(np.average(self.fitted_area_per_load, weights=self._weights_of_tests))
+    def average_over_tests(self, area_per_load: Floats) -> float:
+        """Return the mean of the true area per load A/F (1/GPa) over the tests with sliding, weighted by 1/error²."""
+        return float(np.average(area_per_load, weights=self._weights_of_tests))
 
     @property
     def area_per_load_variation(self) -> float:
         """Relative standard deviation of the true area per load, A/F, over tests with sliding, weighted by 1/error²."""
-        mean = float(np.average(self.area_per_load, weights=self._weights_of_tests))
+        mean = self.average_over_tests(self.area_per_load)
         variance = np.average((self.area_per_load - mean) ** 2, weights=self._weights_of_tests)
         return float(np.sqrt(variance) / mean)
 
@@ -498,16 +482,20 @@ class CalibrationProblem:
         if len({equation.surfaces for equation in self._friction}) > 1:
             unstored_names |= self._area_errors.keys()
 
+        weights = self._weights_of_tests[self.slid]
+
         def draw_fit(problem: CalibrationProblem) -> StrengthFit:
             mu0, tau0, scores = problem._draw_samples(max(scale, 1e-9), degrees_of_freedom if is_scaled else None)
             scores_by_name = {
                 name: scores[:, index] for index, name in enumerate(self.nuisances) if name not in unstored_names
             }
+            area_per_load = self._compute_area_per_load_samples(scores, mu0, tau0)
+            mean_area_per_load = np.average(area_per_load[:, self.slid], axis=1, weights=weights)
             return StrengthFit(
                 self.sliding, chi_squared, degrees_of_freedom, probability, scale if self.has_errors else 1.0,
                 trend_probability, mu0, tau0, self._compute_hardness_samples(scores_by_name),
-                self._compute_growth_samples(scores_by_name), self._compute_area_per_load_samples(scores, mu0, tau0),
-                scores_by_name,
+                self._compute_growth_samples(scores_by_name), np.asarray(mean_area_per_load), scores_by_name,
+                area_per_load_of_tests=self._find_median_area_per_load(area_per_load),
             )  # fmt: skip
 
         fit = draw_fit(self)
@@ -528,10 +516,21 @@ class CalibrationProblem:
         return problem
 
     def _compute_area_per_load_samples(self, scores: Floats, mu0: Floats, tau0: Floats) -> Floats:
-        """Return samples of the true area per load, A/F (1/GPa), each averaged over the tests with sliding."""
+        """Return samples of the true area per load A/F (1/GPa) of each test, with the shape (samples, tests)."""
         mu0_coefficient, tau0_coefficient, _ = self._compute_equation_coefficients(scores, mu0, tau0)
-        area_per_load = tau0_coefficient[:, self.slid] / mu0_coefficient[:, self.slid]
-        return np.asarray(np.average(area_per_load, axis=1, weights=self._weights_of_tests[self.slid]))
+        return np.asarray(tau0_coefficient / mu0_coefficient)
+
+    def _find_median_area_per_load(self, samples: Floats) -> Floats:
+        """Return the median true area per load A/F (1/GPa) of each test, from samples, if contacts grow under shear.
+
+        Without growing contacts, A/F at the central inputs is returned. With friction at opposing contacts only, the
+        friction of these contacts is higher than the measured coefficient, for which `area_per_load` is computed. The
+        same holds for their growth.
+        """
+        if not self.has_growing_contacts:
+            return np.asarray(self.area_per_load)
+        medians = np.median(samples, axis=0)
+        return np.where(np.isfinite(medians), medians, self.area_per_load)
 
     @cached_property
     def junction_growth(self) -> UncertainInput | None:
@@ -891,10 +890,11 @@ class CalibrationProblem:
 
     # ---- Advice -----------------------------------------------------------------------------------------------------
 
-    def suggest_tests(self) -> tuple[tuple[str, float, float], ...]:
+    def suggest_tests(self, area_per_load: float) -> tuple[tuple[str, float, float], ...]:
         """Suggest tests that would separate mu0 from tau0, with the resulting standard errors of mu0 and tau0.
 
-        The planned tests have the median relative error of the present tests, or 5 % if the errors are unknown.
+        `area_per_load` is the mean true area per load A/F (1/GPa) of the present tests. The planned tests have the
+        median relative error of the present tests, or 5 % if the errors are unknown.
         """
         mu0, tau0 = self.best_fit.mu0, self.best_fit.tau0
         best_fit_arguments = self.best_fit.scores[np.newaxis], np.array([mu0]), np.array([tau0])
@@ -907,7 +907,7 @@ class CalibrationProblem:
             if self.has_errors
             else DEFAULT_RELATIVE_ERROR
         )
-        area_per_load, num_tests = self.mean_area_per_load, len(self.error)
+        num_tests = len(self.error)
         plans_with_errors = []
         for plan, further_areas_per_load in list_area_plans(area_per_load, num_tests):
             areas_per_load = np.concatenate([np.full(num_tests, area_per_load), further_areas_per_load])

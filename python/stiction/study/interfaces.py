@@ -155,6 +155,8 @@ class StrengthFit:
     # Fits to the same tests with mu0 = 0 or tau0 = 0. The key is the name of the coefficient that is 0.
     # A fit is missing if the tests exclude 0, or if only the other coefficient was fitted.
     fits_at_bounds: Mapping[str, StrengthFit] = field(default_factory=dict)
+    # True area per load A/F (1/GPa) of each test; empty for a published interface or an interface from a file.
+    area_per_load_of_tests: Floats = field(default_factory=lambda: np.empty(0))
 
     def select_samples(self, indices: NDArray[np.intp]) -> StrengthFit:
         """Return the same fit with the joint samples that have the given indices; an index may be repeated.
