@@ -158,7 +158,7 @@ def test_limits_of_the_combined_interval_equal_quantiles_of_input_samples(infini
         np.quantile(samples, [0.025, 0.975], method=method).tolist(), rel=1e-14
     )
     samples[0] = np.nan
-    with pytest.raises(ValueError, match="coefficient is undefined for [0-9]+ of"):
+    with pytest.raises(ValueError, match=r"coefficient is undefined for [0-9]+ of"):
         compute_equal_tailed_interval(samples)
 
 

@@ -81,9 +81,13 @@ class TestContactCandidates:
             ValueError, match=r"approach must be at most 0.03 µm, the limit of the candidates, got 0.04 µm"
         ):
             press(contact_candidates, [0.04])
-        with pytest.raises(ValueError, match=r"^detection must be 'gap-minimum' for these candidates, got 'cell'"):
+        with pytest.raises(
+            ValueError, match=r"^detection must be 'gap-minimum', as in the search for the candidates, got 'cell'"
+        ):
             press(contact_candidates, [0.01], detection="cell")
-        with pytest.raises(ValueError, match=r"^curvature must be 'convex' for these candidates, got 'signed'"):
+        with pytest.raises(
+            ValueError, match=r"^curvature must be 'convex', as in the search for the candidates, got 'signed'"
+        ):
             contacts(contact_candidates, 0.01, curvature="signed")
         with pytest.raises(ValueError, match="deepest"):
             candidates(*rough_profiles, deepest="deep")

@@ -694,7 +694,7 @@ EXAMPLE_MAP = Surface(np.arange(64.0).reshape(8, 8) % 5, spacing=1.0)
         ({"boundary": "open"}, "boundary must be one of"),
         ({"compliance_share": 1.5}, "compliance_share"),
         ({"hardness": -1.0}, "hardness"),
-        ({"hardness": 0.1}, r"below hardness times nominal area, \S+ mN, got \S+ mN$"),
+        ({"hardness": 0.1}, r"below \S+ mN, the hardness times the nominal area, got \S+ mN$"),
         ({"direction": "x"}, "direction"),
         ({"direction": 45.0}, "direction"),
         ({"direction": ["+x"]}, "direction"),

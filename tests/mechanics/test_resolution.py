@@ -319,7 +319,7 @@ def test_resolution_function_returns_nan_at_an_unsolved_load_and_completes_the_p
         ({"mu0": -0.1}, "mu0 must not be negative"),
         ({"mu0": 0.1, "tau0": "1 MPa"}, "tau0 must be a finite number"),
         ({"loads": [2.0, 1.0]}, "loads must be above 0 mN and strictly increasing"),
-        ({"loads": [1e9]}, "loads must be below hardness times nominal area"),
+        ({"loads": [1e9]}, r"loads must be below \S+ mN, the hardness times the nominal area"),
         ({"upper": Profile(np.zeros(9), spacing=1.0)}, "must both be profiles or both surfaces"),
         ({"boundary": "open"}, "boundary must be one of"),
         ({"direction": 1j}, "direction must be"),

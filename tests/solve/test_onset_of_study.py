@@ -139,7 +139,7 @@ REJECTED_STUDY_CHANGE_CASES = [
     ({"contact.onset": {"mu0": 0.0}}, "mu0 and tau0 must not both be 0"),
     ({"contact.onset": {"tau0": "3 mN"}}, r"contact\.onset\.tau0: .*pressure"),
     ({"contact.onset": {"load": 1.0}}, r"contact\.onset\.load: unknown key"),
-    ({"contact.onset": {}, "contact.law": "hertz-cylinder"}, "must not be given with cylinders"),
+    ({"contact.onset": {}, "contact.law": "hertz-cylinder"}, 'must not be given with the law "hertz-cylinder"'),
     ({"contact.mechanics": "half-space", "contact.onset": {"mu0": 0.4}}, "belongs to asperities of generated surfaces"),
 ]
 

@@ -183,7 +183,8 @@ def candidates_and_model(
     for name, expected in (("detection", "gap-minimum"), ("curvature", upper.curvature)):
         if getattr(model, name) not in (None, expected):
             raise ValueError(
-                f"{name} must be {expected!r} for these candidates, got {short_repr(getattr(model, name))}"
+                f"{name} must be {expected!r}, as in the search for the candidates, "
+                f"got {short_repr(getattr(model, name))}"
             )
     model = replace(model, detection="gap-minimum", curvature=upper.curvature)
     is_areal = isinstance(upper.core, stiction._core.ArealCandidates)

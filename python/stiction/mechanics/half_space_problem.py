@@ -477,7 +477,7 @@ def parse_loads_or_approaches(
         max_load = np.inf if hardness is None else hardness * problem.nominal_area
         if not steps.max() < max_load:
             raise ValueError(
-                f"loads must be below hardness times nominal area, {max_load:g} mN, got {steps.max():g} mN"
+                f"loads must be below {max_load:g} mN, the hardness times the nominal area, got {steps.max():g} mN"
             )
         return step_kind, steps
     if hardness is not None:

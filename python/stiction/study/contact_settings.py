@@ -434,7 +434,7 @@ class HalfSpaceSettings(CommonContactSettings):
         if self.junction_growth and self.adheres:
             raise make_key_error(
                 "junction_growth",
-                "must be 0 if work_of_adhesion is above 0, because the model enlarges no adhesive contacts under shear",
+                "must be 0 if work_of_adhesion is above 0, because the model does not enlarge adhesive contacts",
             )
         return self
 
@@ -533,7 +533,9 @@ class AsperitySettingsForGeneratedSurfaces(AsperityModelSettings, GeneratedSurfa
     def _require_valid_onset(self) -> Self:
         if self.onset is not None and isinstance(parse_contact_law(self.contact_model().law), HertzCylinder):
             raise make_key_error(
-                "onset", "must not be given with cylinders, because the displacement under a line load is unbounded"
+                "onset",
+                'must not be given with the law "hertz-cylinder", because the displacement under a line load is '
+                "unbounded",
             )
         return self
 

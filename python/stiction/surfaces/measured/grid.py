@@ -40,8 +40,8 @@ def to_grid(
     node_count = shape[0] * shape[1]
     if node_count > MAX_NODES_PER_POINT * z.size + 10:
         raise FormatError(
-            f"lists {z.size} points that are not on a grid, because the grid would have {shape[0]} × {shape[1]} "
-            "nodes; interpolate them onto a grid, or export a matrix"
+            f"lists {z.size} points that are not on a grid, because a grid through all points would have "
+            f"{shape[0]} × {shape[1]} nodes; interpolate them onto a grid, or export a matrix"
         )
     heights, num_absent = fill_grid(shape, rows, columns, z, lambda index: f"x {x[index]:g}, y {y[index]:g}")
     history_entry = f"{z.size} points on a grid of {shape[0]} × {shape[1]}" + (

@@ -433,8 +433,9 @@ def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> 
     units = set(LENGTH_UNITS.values())
     if ratios and not any(all(abs(ratio / unit - 1) <= 1e-3 for ratio in ratios) for unit in units):
         raise FormatError(
-            f"declares in its header a spacing of {' and '.join(f'{item:g}' for item in bare_spacing)} (no unit), "
-            f"which in no unit of length equals the option spacing, {' and '.join(f'{item:g}' for item in given)} µm"
+            f"declares a spacing of {' and '.join(f'{item:g}' for item in bare_spacing)} without a unit in its header, "
+            f"but no unit of length makes this spacing equal to the option spacing, "
+            f"{' and '.join(f'{item:g}' for item in given)} µm"
         )
 
 
