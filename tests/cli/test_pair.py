@@ -313,7 +313,7 @@ def test_load_steps_start_at_a_requested_load_that_equals_the_smallest_allowed_l
         (["bad\udcff.csv", "lower.csv"], ["file: must be text in UTF-8", "rename"]),
         (["upper.csv", "empty.csv"], ["empty.csv"]),
         (["bare.npy", "lower.csv"], ["bare.npy", "unit"]),
-        ([*PROFILE_FILES, "--unit", "mm"], ["upper.csv", "gives the unit mm"]),
+        ([*PROFILE_FILES, "--unit", "mm"], ["upper.csv", "the option unit is mm"]),
         ([*PROFILE_FILES, "--unit", "inch"], ["unit"]),
         ([*PROFILE_FILES, "--unit", "um", "--unit", "um", "--unit", "um"], ["--unit", "got 3"]),
         ([*PROFILE_FILES, "--missing", "guess"], ["--missing"]),
