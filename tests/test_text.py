@@ -57,7 +57,7 @@ class TestFileWriting:
         assert names[0] != names[1]
         assert sorted(os.listdir(tmp_path)) == ["f0", "f1"]
 
-    def test_file_writer_does_not_follow_links(self, tmp_path, writer, monkeypatch):
+    def test_file_writer_does_not_follow_symbolic_links(self, tmp_path, writer, monkeypatch):
         name = _files.new_partial_file_name()
         monkeypatch.setattr(_files, "new_partial_file_name", lambda: name)
         (tmp_path / "target").write_text("mine")

@@ -79,7 +79,7 @@ def test_fitted_yield_exponents_of_maps_are_close_to_1(areas_by_map):
     assert exponents.max() < 1.6
 
 
-def test_elastic_areas_on_the_grid_of_tamaas_agree_with_the_half_space_model(areas_by_map):
+def test_elastic_areas_computed_by_the_tamaas_library_agree_with_the_half_space_model(areas_by_map):
     for name, rows in TAMAAS_AREA_FRACTIONS.items():
         np.testing.assert_allclose(np.array(rows)[:, 2], areas_by_map[name].elastic, rtol=0.07)
 

@@ -114,7 +114,7 @@ def test_adhesive_contact_minimizes_energy_up_to_the_pull_off_force(case):
 
 
 @pytest.mark.parametrize(("rms", "modulus", "load"), [(1e-3, 80.0, 0.01), (3e-3, 80.0, 0.1), (3e-3, 2.0, 2e-3)])
-def test_adhesive_contact_agrees_with_a_solution_by_tamaas_at_the_same_mean_gap(rms, modulus, load):
+def test_adhesive_contact_agrees_with_the_tamaas_library_at_the_same_mean_gap(rms, modulus, load):
     tamaas = pytest.importorskip("tamaas")
     (flat, lower), adhesion_options = create_rough_bodies(rms, 5e-5, points=64, modulus=modulus)
     area = lower.heights.size * lower.spacing[0] ** 2

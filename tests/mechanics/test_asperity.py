@@ -39,7 +39,7 @@ def test_asperities_at_profile_ends_have_zero_curvature_and_result_arrays_are_re
     assert not any(array.flags.writeable for array in vars(lower).values())
 
 
-def test_asperities_function_rejects_a_side_other_than_upper_and_lower():
+def test_asperities_function_rejects_a_side_that_is_neither_upper_nor_lower():
     with pytest.raises(ValueError, match="side must be one of 'lower', 'upper', got 'left'"):
         asperities(Profile(np.arange(9.0), spacing=1), "left")
 

@@ -73,7 +73,9 @@ def reference_modules():
 class TestAgainstContactMechanicsPackage:
     @settings(max_examples=50)
     @given(overlap=length_strategy, radius=length_strategy, modulus=modulus_strategy)
-    def test_hertz_solution_of_a_sphere_agrees_with_contactmechanics(self, reference_modules, overlap, radius, modulus):
+    def test_hertz_solution_of_a_sphere_agrees_with_the_contactmechanics_library(
+        self, reference_modules, overlap, radius, modulus
+    ):
         force, area = hertz_sphere(overlap, radius, modulus)
         assert reference_modules[0].normal_load(overlap, radius, modulus) == pytest.approx(
             float(force), rel=REORDERING_TOLERANCE
@@ -81,7 +83,7 @@ class TestAgainstContactMechanicsPackage:
         contact_radius, _ = reference_modules[0].radius_and_pressure(float(force), radius, modulus)
         assert math.pi * contact_radius**2 == pytest.approx(float(area), rel=REORDERING_TOLERANCE)
 
-    def test_westergaard_contact_fraction_agrees_with_contactmechanics(self, reference_modules):
+    def test_westergaard_contact_fraction_agrees_with_the_contactmechanics_library(self, reference_modules):
         # ContactMechanics gives the half-width of the contact in wavelengths.
         # Its pressure is in units of π E* Δ / λ, where 2Δ is the total height of the sinusoid.
         pressures = np.linspace(0.01, 0.99, 20)

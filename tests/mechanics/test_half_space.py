@@ -379,7 +379,7 @@ def test_contact_stiffness_agrees_with_a_dense_matrix_calculation(shape, boundar
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize("pressed", [0.002, 0.05, 0.5])
-def test_half_space_pressure_agrees_with_tamaas(pressed, boundary):
+def test_half_space_pressure_agrees_with_the_tamaas_library(pressed, boundary):
     tamaas = pytest.importorskip("tamaas")
     tamaas.set_log_level(tamaas.LogLevel.error)
     n = 64
@@ -472,7 +472,7 @@ def test_contact_area_with_hardness_is_independent_of_grid():
         assert areas[1] == pytest.approx(areas[0], rel=PLASTIC_EDGE_TOLERANCE)
 
 
-def test_pressure_with_hardness_agrees_with_tamaas():
+def test_half_space_pressure_with_hardness_agrees_with_the_tamaas_library():
     tamaas = pytest.importorskip("tamaas")
     tamaas.set_log_level(tamaas.LogLevel.error)
     n, load, hardness = 32, 0.05, 0.6

@@ -193,7 +193,7 @@ def test_uncertainty_budget_lists_the_interval_without_the_alternative_preparati
     assert (budget["width"] <= blunt_result.interval[1] - blunt_result.interval[0]).all()
 
 
-def test_combined_interval_includes_alternative_preparations_at_every_load_and_mu0_and_tau0(blunt_result):
+def test_combined_interval_includes_alternative_preparations_at_every_load_mu0_and_tau0(blunt_result):
     loads, strengths = [0.1, 0.2], {"mu0": [0.1, 0.3], "tau0": [0.0, 0.05]}
     combined_intervals, alternative_intervals = (
         compared_result.at(loads, **strengths, budget=True)["friction_combined"].values

@@ -226,7 +226,7 @@ def test_row_and_column_numbers_of_a_matrix_are_not_read_as_positions(tmp_path, 
     assert np.array_equal(read_surface(path, **READ_OPTIONS).heights, HEIGHTS)
 
 
-def test_rows_of_another_width_above_a_matrix_are_rejected(tmp_path):
+def test_rows_narrower_than_the_matrix_below_are_rejected(tmp_path):
     path = tmp_path / "a.txt"
     heights = create_map(16, 19)
     path.write_text(

@@ -734,7 +734,7 @@ def test_scan_files_with_content_that_is_not_a_scan_are_rejected(write_file, con
     assert message in get_error_message(write_file(content, name))
 
 
-def test_directories_and_pipes_and_missing_files_are_rejected_as_scans(tmp_path):
+def test_directories_pipes_and_missing_files_are_not_accepted_as_scans(tmp_path):
     assert "No such file" in get_error_message(tmp_path / "none.csv")
     assert "is a directory" in get_error_message(tmp_path)
     os.mkfifo(tmp_path / "pipe.csv")  # a program that reads this pipe would block
@@ -941,7 +941,7 @@ def test_x3p_profile_that_is_not_along_x_is_rejected(write_file):
     assert "y coordinate varies" in get_error_message(write_file(stream.getvalue(), "a.x3p"))
 
 
-def test_heights_read_from_an_x3p_file_agree_with_surfacetopography(write_file):
+def test_heights_read_from_an_x3p_file_agree_with_the_surfacetopography_library(write_file):
     topography = pytest.importorskip("SurfaceTopography")
     path = write_file(create_x3p_bytes(HEIGHTS_IN_METRES), "a.x3p")
     with topography.open_topography(str(path)) as reader:

@@ -96,12 +96,12 @@ class TestAgainstSurfaceTopographyPackage:
             return levelled(read_profile(request.getfixturevalue("find_measured_file")("dektak-1.csv")), "line")
         return levelled(rough_profile(), "mean")
 
-    def test_levelling_agrees_with_surfacetopography(self, line_scan_class, find_measured_file):
+    def test_levelling_agrees_with_the_surfacetopography_library(self, line_scan_class, find_measured_file):
         profile = read_profile(find_measured_file("dektak-1.csv"))
         other_profile = line_scan_class(profile.heights.copy(), profile.extent, unit="um").detrend("height")
         assert np.abs(other_profile.heights() - levelled(profile, "line").heights).max() < self.TRANSFORM_TOLERANCE
 
-    def test_rms_height_and_slope_agree_with_surfacetopography(self, line_scan_class, profile):
+    def test_rms_height_and_slope_agree_with_the_surfacetopography_library(self, line_scan_class, profile):
         other_profile = line_scan_class(profile.heights, profile.extent, unit="um")
         parameters = roughness_parameters(profile, derivative="neighbours")
         assert parameters.Pq == pytest.approx(other_profile.rms_height_from_profile(), rel=self.TRANSFORM_TOLERANCE)
@@ -114,7 +114,7 @@ class TestAgainstSurfaceTopographyPackage:
         assert periodic_scan.rms_slope_from_profile() == pytest.approx(expected, rel=self.TRANSFORM_TOLERANCE)
 
     @pytest.mark.parametrize("periodic", [True, False])
-    def test_power_spectrum_agrees_with_surfacetopography(self, line_scan_class, profile, periodic):
+    def test_power_spectrum_agrees_with_the_surfacetopography_library(self, line_scan_class, profile, periodic):
         other_profile = line_scan_class(profile.heights, profile.extent, unit="um", periodic=periodic)
         q, density = other_profile.power_spectrum_from_profile(resampling_method=None)
         computed_spectrum = power_spectrum(profile, periodic=periodic)
@@ -298,7 +298,7 @@ def test_surface_parameters_scale_with_size_and_are_invariant_under_rotation():
     )
 
 
-def test_surface_parameters_agree_with_surfacetopography():
+def test_surface_parameters_agree_with_the_surfacetopography_library():
     topography = pytest.importorskip("SurfaceTopography")
     surface = gaussian_surface()
     (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape

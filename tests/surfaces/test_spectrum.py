@@ -182,7 +182,7 @@ def test_radial_spectrum_includes_every_coefficient_exactly_once():
     assert (radial.density * radial.count).sum() == pytest.approx(density.sum(), rel=AREAL_ROUND_OFF)
 
 
-def test_radial_spectrum_agrees_with_surfacetopography():
+def test_radial_spectrum_agrees_with_the_surfacetopography_library():
     topography = pytest.importorskip("SurfaceTopography")
     surface = self_affine_map(4, 0.8, (96, 128))
     topography_surface = topography.Topography(surface.heights.T - surface.heights.mean(), (64.0, 48.0), periodic=True)

@@ -288,7 +288,9 @@ def test_area_in_reports_of_generated_surfaces_has_the_unit_and_digits_of_termin
     assert {"µm²", "mm²"} <= texts
 
 
-def test_validity_indicators_in_reports_of_profiles_equal_indicators_in_tables(generated_dataset, report_evaluator):
+def test_validity_indicators_in_profile_reports_equal_validity_indicators_in_tables(
+    generated_dataset, report_evaluator
+):
     study = parse_study_of_dataset(generated_dataset)
     mu0, tau0 = study.friction.mu0[1], float(study.friction.tau0[1])
     load = report_evaluator.facts["loads"]["values"][25]

@@ -153,7 +153,7 @@ def test_assessment_lists_a_remedy_only_if_the_remedy_would_change_the_printed_i
         assert ("the interval would be" in format_paragraph(assessment_paragraph([point_with_budget]))) == is_listed
 
 
-def test_verbose_text_contains_contact_count_and_load_on_the_largest_contact_and_solution_error():
+def test_verbose_text_contains_contact_count_largest_contact_load_and_solution_error():
     dataset = measured_result(contact_count=123.0, share_on_largest=0.0421)
     text = format_paragraph(quantities_paragraph(summarize(dataset, measured_study()).points, verbose=True))
     rows = {line.split("  ")[0]: line.split("  ", 1)[1].strip() for line in text.splitlines()}
@@ -378,7 +378,7 @@ def test_quantity_is_printed_in_the_unit_that_requires_the_fewest_zeros(value, u
     assert format_with_unit(value, unit) == text
 
 
-def test_large_areas_and_lengths_are_printed_in_mm2_and_m():
+def test_large_areas_are_printed_in_mm2_and_large_lengths_in_m():
     dataset = measured_result(contact_area=1.01e7, contact_area_fraction=None)
     text = format_paragraph(quantities_paragraph(summarize(dataset, measured_study()).points, verbose=True))
     assert "true contact area (mm²)" in text
