@@ -47,7 +47,7 @@ def test_search_for_the_rounding_step_of_a_scan_runs_only_once(monkeypatch):
     defects = ScanDefects(Profile(np.round(smooth_profile.heights, 3), spacing=0.01), 2.0, textured=False)
     assert defects.num_spikes == 0
     assert defects.instrument_limit.reason == "quantisation"
-    assert defects.limit_with_tip is not None
+    assert defects.instrument_limit_with_tip is not None
     assert steps == [pytest.approx(1e-3)]
 
 
@@ -270,4 +270,4 @@ def test_estimated_roughness_drift_is_limited_if_the_roughness_changes_abruptly(
     """Check the upper limit of the drift, because a linear fit overestimates an abrupt change of the roughness."""
     heights = rough_maps(points=96)[0].heights.copy()
     heights[:, 48:] *= 0.02
-    assert scan_defects.estimate_roughness_drift(Surface(heights, spacing=0.1)) == scan_defects.MAX_DRIFT
+    assert scan_defects.estimate_roughness_drift(Surface(heights, spacing=0.1)) == scan_defects.MAX_LOG_SLOPE_DRIFT

@@ -26,7 +26,7 @@ from stiction.surfaces.missing_data import compute_scattered_missing_fraction
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile, Side, combine_missing_masks, scale_profile
 from stiction.surfaces.scan_defects import (
-    MIN_LAY_RATIO,
+    MIN_LAY_SLOPE_RATIO,
     compute_lay_ratio,
     compute_mean_square_slope,
     estimate_roughness_drift,
@@ -286,7 +286,7 @@ class PreparedBodies:
         if self._surfaces.press != "areas" or len(maps) < len(SIDES):
             return {}
         ratios = {f"{side}_lay": compute_lay_ratio(body) for side, body in zip(SIDES, maps, strict=True)}
-        return ratios if min(ratios.values()) > MIN_LAY_RATIO else {}
+        return ratios if min(ratios.values()) > MIN_LAY_SLOPE_RATIO else {}
 
     @cached_property
     def _drift_attributes(self) -> dict[str, Any]:

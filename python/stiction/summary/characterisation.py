@@ -196,7 +196,7 @@ class Characterisation:
     @property
     def tip_limit(self) -> InstrumentLimit | None:
         """Shortest wavelength that is reliable if pixels, noise and tip are considered; None without a tip radius."""
-        return self.defects.limit_with_tip
+        return self.defects.instrument_limit_with_tip
 
     @cached_property
     def friction_estimates(self) -> tuple[float, ...]:

@@ -23,7 +23,7 @@ from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.preparation import flipped, levelled, rotated
 from stiction.surfaces.profile import Profile, combine_missing_masks, select_from_mask
 from stiction.surfaces.registration import do_faces_fit
-from stiction.surfaces.scale import CUTOFF_WAVELENGTH_RATIO, InstrumentLimit
+from stiction.surfaces.scale import CUTOFF_TO_REMOVED_WAVELENGTH_RATIO, InstrumentLimit
 from stiction.surfaces.scan_defects import (
     MAX_NOISE_SLOPE_FRACTION,
     MIN_SPIKE_HEIGHT_RATIO,
@@ -437,7 +437,7 @@ def _find_instrument_caveats(
         text = f"a peak at {wavelength_text}, perhaps from the instrument, contributes {fraction_text} of the curvature"
         yield Caveat(
             text,
-            f"--cutoff '{format_with_unit(CUTOFF_WAVELENGTH_RATIO * peak[0], 'um')}' removes the peak",
+            f"--cutoff '{format_with_unit(CUTOFF_TO_REMOVED_WAVELENGTH_RATIO * peak[0], 'um')}' removes the peak",
             "caution",
             peak[0],
         )

@@ -32,11 +32,11 @@ Smooth forms have a smaller fraction.
 """
 
 # Number of directions (0°, 2.5°, ... 177.5°) in which a height step of a map is searched for.
-_STEP_ANGLE_COUNT = 72
+_NUM_STEP_DIRECTIONS = 72
 # Each side of a height step must have at least this fraction of the points of a scan.
-_STEP_MARGIN = 0.02
+_MIN_POINT_FRACTION_BESIDE_STEP = 0.02
 # Smallest and largest distance (blocks) from a height step at which heights on both sides are compared.
-_STEP_BAND_BLOCKS = (0.75, 3.75)
+_STEP_DISTANCE_RANGE_IN_BLOCKS = (0.75, 3.75)
 
 
 class DominantStep(NamedTuple):
@@ -83,11 +83,11 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
     coordinates, heights, mean_square = blocks
     trend_basis, _ = np.linalg.qr(np.stack([np.ones_like(heights), *coordinates], axis=1))
     count, is_map = heights.size, len(coordinates) == 2
-    num_blocks_below, margin = np.arange(1, count + 1), max(1, round(_STEP_MARGIN * count))
+    num_blocks_below, margin = np.arange(1, count + 1), max(1, round(_MIN_POINT_FRACTION_BESIDE_STEP * count))
     candidate_edges = slice(margin - 1, count - margin)
     rows = np.vstack([heights, trend_basis.T])
     best_square_sum, best_height, best_edge, best_distances_across = 0.0, 0.0, 0.0, coordinates[0]
-    for angle in np.linspace(0, np.pi, _STEP_ANGLE_COUNT, endpoint=False) if is_map else [0.0]:
+    for angle in np.linspace(0, np.pi, _NUM_STEP_DIRECTIONS, endpoint=False) if is_map else [0.0]:
         distance_across = np.cos(angle) * coordinates[0] + np.sin(angle) * coordinates[-1]
         block_order = np.argsort(distance_across, kind="stable")
         # For each possible edge, the heights are projected onto a step at this edge. The step has no mean and no tilt.
@@ -104,7 +104,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
             best_distances_across = distance_across
     distances = best_distances_across - best_edge
     nearest_distance, farthest_distance = (
-        2 / min(MAX_BLOCKS, count) * distance_in_blocks for distance_in_blocks in _STEP_BAND_BLOCKS
+        2 / min(MAX_BLOCKS, count) * distance_in_blocks for distance_in_blocks in _STEP_DISTANCE_RANGE_IN_BLOCKS
     )
     heights_below, heights_above = (
         heights[(sign * distances > nearest_distance) & (sign * distances < farthest_distance)] for sign in (-1, 1)

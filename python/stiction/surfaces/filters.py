@@ -24,14 +24,14 @@ MIN_CUTOFF_POINTS = 0.5
 _MIN_REGRESSION_CUTOFF_POINTS = 4.0
 # Half width of the weight function, in cutoff wavelengths.
 # Beyond the half width, all weights are below 1e-15 of the largest weight.
-_WEIGHT_HALF_WIDTH = 1.6
+_FILTER_HALF_WIDTH_IN_CUTOFFS = 1.6
 # Minimum number of filter weights on each side of a point.
 # With a cutoff of two or three points, the weights decay slowly: to 1e-5 at a distance of 64 points.
 _MIN_HALF_WIDTH_POINTS = 64
 # A mean line is estimated only where measured points have at least this fraction of the total filter weight.
 _MIN_WEIGHT_COVERAGE = 1e-6
 # The normal equations of a local polynomial count as singular if a normalised pivot is below this number.
-_MIN_PIVOT = 1e-9
+_MIN_NORMALISED_PIVOT = 1e-9
 # Scale of Tukey's biweight, in median absolute deviations.
 # For normally distributed heights, the scale of the biweight is three standard deviations.
 _BIWEIGHT_SCALE = 4.4478
@@ -277,7 +277,9 @@ class _FilterKernel:
     def __init__(self, points: int, cutoff_in_points: float, samples_weights: bool = False) -> None:
         from scipy.fft import irfft, next_fast_len, rfftfreq
 
-        half_width = min(points - 1, max(math.ceil(_WEIGHT_HALF_WIDTH * cutoff_in_points), _MIN_HALF_WIDTH_POINTS))
+        half_width = min(
+            points - 1, max(math.ceil(_FILTER_HALF_WIDTH_IN_CUTOFFS * cutoff_in_points), _MIN_HALF_WIDTH_POINTS)
+        )
         self.points = points
         self.padded_size: int = next_fast_len(points + half_width, real=True)
         self._offset = np.arange(half_width + 1) / cutoff_in_points
@@ -391,13 +393,13 @@ def _solve_constant_terms(
     is_regular = moments[basis[0]] > _MIN_WEIGHT_COVERAGE
     is_covered = is_regular.copy()
     for eliminated_term in reversed(term_indices[1:]):
-        is_regular &= rows[eliminated_term, eliminated_term] > _MIN_PIVOT
+        is_regular &= rows[eliminated_term, eliminated_term] > _MIN_NORMALISED_PIVOT
         pivot = np.where(is_regular, rows[eliminated_term, eliminated_term], 1)
         for k in range(eliminated_term):
             elimination_factor = rows[eliminated_term, k] / pivot
             reduced_right_sides[k] = reduced_right_sides[k] - elimination_factor * reduced_right_sides[eliminated_term]
             for m in range(k + 1):
                 rows[k, m] = rows[k, m] - elimination_factor * rows[eliminated_term, m]
-    is_regular &= rows[0, 0] > _MIN_PIVOT
+    is_regular &= rows[0, 0] > _MIN_NORMALISED_PIVOT
     solved_terms = reduced_right_sides[0] / np.where(is_regular, rows[0, 0], 1)
     return np.where(is_regular, solved_terms, np.where(is_covered, constant_terms, heights))

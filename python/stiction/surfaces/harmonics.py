@@ -25,9 +25,9 @@ _MAX_TESTED_PEAKS = 6
 # By chance, about one bin in 1000 has ten times the density of its neighbours.
 _MIN_HARMONIC_RATIO = 10.0
 # Half width of the peak of a harmonic after a Hann window, in bins.
-_PEAK_HALF_WIDTH = 2.5
+_PEAK_HALF_WIDTH_IN_BINS = 2.5
 # Number of positions per bin at which the first harmonic is searched for.
-_STEPS_PER_BIN = 16
+_SEARCH_POSITIONS_PER_BIN = 16
 # The spectrum without harmonics is estimated from this quantile of the densities between two harmonics.
 # A low quantile leaves out the peaks of harmonics, including aliased harmonics.
 _BACKGROUND_DENSITY_QUANTILE = 0.3
@@ -54,7 +54,9 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
     peak_order = np.argsort(-padded_density[peaks] * np.square(peaks))[:_MAX_TESTED_PEAKS]
     best_score, best_harmonics = 0.0, (math.nan, math.nan)
     for peak in peaks[peak_order].tolist():
-        first_harmonics = peak + np.arange(-_STEPS_PER_BIN, _STEPS_PER_BIN + 1) / _STEPS_PER_BIN
+        first_harmonics = (
+            peak + np.arange(-_SEARCH_POSITIONS_PER_BIN, _SEARCH_POSITIONS_PER_BIN + 1) / _SEARCH_POSITIONS_PER_BIN
+        )
         for order_step in (1, 2):
             harmonic_orders = np.arange(
                 1, min(order_step * _MAX_COMPARED_HARMONICS, int(nyquist_bin / (peak + 1))) + 1, order_step
@@ -100,7 +102,7 @@ def _compute_median_between_harmonics(padded_density: Floats, harmonics: Floats,
     for harmonic in harmonics.tolist():
         distances = np.abs(bins - harmonic)
         nearby_densities = padded_density[
-            (distances > min(_PEAK_HALF_WIDTH, distance / 2 - 0.5)) & (distances <= distance / 2) & (bins > 0)
+            (distances > min(_PEAK_HALF_WIDTH_IN_BINS, distance / 2 - 0.5)) & (distances <= distance / 2) & (bins > 0)
         ]
         medians.append(float(np.median(nearby_densities)) if nearby_densities.size else math.inf)
     return np.asarray(np.maximum(np.array(medians), np.finfo(float).tiny))

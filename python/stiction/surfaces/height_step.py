@@ -22,7 +22,7 @@ _MIN_FRACTION_OF_MULTIPLES, _MULTIPLE_TOLERANCE = 0.9, 0.05
 # Without rounding, 10 % of the second differences are within the tolerance of a multiple by chance.
 _MIN_FRACTION_OF_NONZERO_MULTIPLES = 0.5
 # Largest rounding step, as a fraction of the height range. Rounded heights must have at least four levels.
-_MAX_STEP_RATIO = 1 / 3 + 1e-6
+_MAX_STEP_TO_HEIGHT_RANGE_RATIO = 1 / 3 + 1e-6
 
 
 def find_height_step(heights: Floats) -> float:
@@ -69,7 +69,7 @@ def find_height_step(heights: Floats) -> float:
         return 0.0
     repeated_number = float(positive_numbers[has_both_signs].min())
     step = float(np.median(differences[np.rint(differences / tolerance) == repeated_number]))
-    if step > _MAX_STEP_RATIO * tolerance / _EQUAL_DIFFERENCE_TOLERANCE:
+    if step > _MAX_STEP_TO_HEIGHT_RANGE_RATIO * tolerance / _EQUAL_DIFFERENCE_TOLERANCE:
         return 0.0
     multiples = differences / step
     is_multiple = np.abs(multiples - np.rint(multiples)) <= _MULTIPLE_TOLERANCE

@@ -14,7 +14,7 @@ from stiction.surfaces.harmonics import find_texture_harmonics
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.scale import (
-    MAX_UNATTRIBUTED_FRACTION,
+    MAX_NEGLIGIBLE_NOISE_FRACTION,
     LineSpectrum,
     cutoff_for_slope_fraction,
     line_spectra,
@@ -73,7 +73,7 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Noi
         float(np.square(q).sum()) * float(q[0]) * fit.level * spacing for q, _, _, spacing in spectra
     )
     noise_fraction = noise_mean_square_slope / mean_square_slope
-    if not fit.is_significant or noise_fraction <= MAX_UNATTRIBUTED_FRACTION:
+    if not fit.is_significant or noise_fraction <= MAX_NEGLIGIBLE_NOISE_FRACTION:
         return None
     if isinstance(body, Surface) and fit.level > _MAX_FITTED_NOISE_RATIO * _estimate_short_wavelength_noise(
         body, periodic

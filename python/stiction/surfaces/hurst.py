@@ -24,7 +24,9 @@ _NUM_NEWTON_STEPS, _NUM_BISECTION_STEPS = 50, 30
 MAX_HURST_INTERVAL_WIDTH = 0.5
 # Minimum number of harmonics in a wavelength band to which a Hurst exponent is fitted.
 MIN_BAND_HARMONICS = 8
-_NO_BAND_MESSAGE = "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
+_NO_SELF_AFFINE_BAND_MESSAGE = (
+    "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
+)
 # After subtracting a straight line, heights below this fraction of their original magnitude are round-off.
 _TREND_ROUND_OFF = 1e-13
 # Number of lowest harmonics that are excluded after a Hann window.
@@ -32,9 +34,9 @@ _TREND_ROUND_OFF = 1e-13
 _NUM_EXCLUDED_HARMONICS = 2
 
 # 95 % quantile of the chi-squared distribution with one degree of freedom.
-_CHI_SQUARED_95 = 3.841
+_CHI_SQUARED_QUANTILE_95 = 3.841
 _BINS_PER_DECADE = 12
-_MIN_PIECE_BINS = 4
+_MIN_BINS_PER_PIECE = 4
 # Assumed relative deviation of the true spectrum from a power law in each bin.
 # Every measured spectrum deviates from a power law by at least 10 %.
 _RELATIVE_MODEL_ERROR = 0.1
@@ -323,12 +325,12 @@ def estimate_hurst_exponent(
     exponent = PowerLawFit(np.log(q), power, np.ones(q.size)).exponent
     dispersion = max(1.0, bins.deviance(exponent, bins.count / variance_factor))
     fit = PowerLawFit(np.log(q), power, np.full(q.size, 1 / (variance_factor * dispersion)))
-    smallest_exponent, largest_exponent = fit.exponent_interval(fit.min_loss + _CHI_SQUARED_95 / 2)
+    smallest_exponent, largest_exponent = fit.exponent_interval(fit.min_loss + _CHI_SQUARED_QUANTILE_95 / 2)
     # The interval of the Hurst exponent includes the uncertainty of the roll-off wavelength, which is fitted together.
     if piece_bins is not None:
         piece_weight = piece_bins.count / (variance_factor * dispersion)
         log_q_rows, losses = _fit_roll_offs(piece_bins, piece_weight)
-        max_loss = float(losses.min()) + _CHI_SQUARED_95 / 2
+        max_loss = float(losses.min()) + _CHI_SQUARED_QUANTILE_95 / 2
         intervals = [
             PowerLawFit(log_q_row, piece_bins.power, piece_weight).exponent_interval(max_loss)
             for log_q_row in log_q_rows[losses < max_loss]
@@ -455,7 +457,7 @@ def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> 
                     )
             if best_band is not None:
                 return best_band
-    raise ValueError(_NO_BAND_MESSAGE)
+    raise ValueError(_NO_SELF_AFFINE_BAND_MESSAGE)
 
 
 def _remove_noisy_end(
@@ -474,7 +476,7 @@ def _remove_noisy_end(
         end_harmonic - selection.start < MIN_BAND_HARMONICS
         or max_log_q - math.log(q[selection.start]) < _MIN_BAND_WIDTH
     ):
-        raise ValueError(_NO_BAND_MESSAGE)
+        raise ValueError(_NO_SELF_AFFINE_BAND_MESSAGE)
     return slice(selection.start, end_harmonic), piece.slice_bins(
         0, int(np.searchsorted(piece.log_q, max_log_q, side="right"))
     )
@@ -486,7 +488,7 @@ def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> tuple[Floats, Floats]
     If the roll-off ends in bin 0, there is no roll-off. Returns the logarithms of the wave numbers for each fit, which
     are constant in the roll-off, and the losses.
     """
-    num_rows = max(1, bins.log_q.size - _MIN_PIECE_BINS)
+    num_rows = max(1, bins.log_q.size - _MIN_BINS_PER_PIECE)
     log_q_rows = np.maximum(bins.log_q, bins.log_q[:num_rows, np.newaxis])
     power, weight = (np.broadcast_to(values, log_q_rows.shape) for values in (bins.power, weight))
     return log_q_rows, _fit_power_laws(log_q_rows, power, weight)[1]
@@ -499,9 +501,9 @@ def _fit_spectrum_pieces(
 
     Returns four arrays over the ranges: first bin, exclusive end, exponent and loss.
     """
-    starts, piece_ends = (index.astype(np.intp) for index in np.triu_indices(bins.log_q.size + 1, _MIN_PIECE_BINS))
+    starts, piece_ends = (index.astype(np.intp) for index in np.triu_indices(bins.log_q.size + 1, _MIN_BINS_PER_PIECE))
     exponents, losses = np.empty(starts.size), np.empty(starts.size)
-    for bin_count in range(_MIN_PIECE_BINS, bins.log_q.size + 1):
+    for bin_count in range(_MIN_BINS_PER_PIECE, bins.log_q.size + 1):
         # All pieces with the same number of bins are fitted together, in the order of their first bins.
         pieces = piece_ends - starts == bin_count
         window_rows = (sliding_window_view(values, bin_count) for values in (bins.log_q, bins.power, weight))

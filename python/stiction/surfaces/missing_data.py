@@ -23,7 +23,7 @@ MIN_OUTLIER_SIGMAS = 6.0
 The robust standard deviation is 1.4826 times the median absolute deviation.
 """
 # Smallest deviation of an outlier from its neighbours, in median absolute deviations.
-_MIN_OUTLIER_RATIO = MIN_OUTLIER_SIGMAS * 1.4826
+_MIN_OUTLIER_TO_MEDIAN_DEVIATION_RATIO = MIN_OUTLIER_SIGMAS * 1.4826
 # Maximum number of adjacent outliers. More adjacent points are a feature of the surface.
 MAX_OUTLIER_GROUP_SIZE = 4
 
@@ -32,7 +32,7 @@ MAX_OUTLIER_GROUP_SIZE = 4
 # The median deviation from a line through neighbours is 0.21 to 0.33 steps.
 _MEDIAN_ROUNDING_DEVIATION = 0.25
 # Round-off of heights after a form was subtracted, as a fraction of the height range.
-_ROUND_OFF_RATIO = 1e-10
+_FORM_ROUND_OFF_FRACTION = 1e-10
 # A scan has flat regions if at least this fraction of its heights is within a rounding step of the neighbours.
 _MAX_FLAT_FRACTION = 0.25
 # Flat regions count as clipped or filled if at least this fraction of all points is rough.
@@ -150,13 +150,13 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
         ratio = _find_smaller_ratio(deviations, [typical.scan_medians for typical in typical_deviations])
         # The local comparison can only remove candidates, so it is computed only for candidates of the whole scan.
         can_be_outlier = is_measured & ~is_outlier & np.isfinite(line_deviations)
-        candidates = np.nonzero(can_be_outlier & (ratio > _MIN_OUTLIER_RATIO))
+        candidates = np.nonzero(can_be_outlier & (ratio > _MIN_OUTLIER_TO_MEDIAN_DEVIATION_RATIO))
         ratio = np.zeros(heights.shape)
         ratio[candidates] = _find_smaller_ratio(
             [values[candidates] for values in deviations],
             [typical.at_points(candidates) for typical in typical_deviations],
         )
-        is_deviating = ratio > _MIN_OUTLIER_RATIO
+        is_deviating = ratio > _MIN_OUTLIER_TO_MEDIAN_DEVIATION_RATIO
         if not is_deviating.any():
             break
         # SciPy, whose import takes 0.1 s, is imported only here, because most scans have no outliers.
@@ -217,7 +217,7 @@ def _find_neighbour_deviations(
     """
     is_known, width = is_measured & np.isfinite(deviations), _WINDOW_WIDTHS[deviations.ndim]
     is_rough = near_rough_region = np.zeros(deviations.shape, np.bool_)
-    round_off = _ROUND_OFF_RATIO * float(np.ptp(heights[is_measured])) if is_measured.any() else 0.0
+    round_off = _FORM_ROUND_OFF_FRACTION * float(np.ptp(heights[is_measured])) if is_measured.any() else 0.0
     # A deviation above this limit (µm) is larger than one rounding step.
     resolution = 1.01 * max(step, round_off)
     if is_known.any() and np.quantile(deviations[is_known], _MAX_FLAT_FRACTION) <= resolution:

@@ -34,7 +34,7 @@ _MIN_COARSE_POINTS = {1: 64, 2: 16}
 _MAX_COARSE_POINTS = {1: 2048, 2: 128}
 _MAX_REFINEMENTS = 20
 # Fractions of a Gauss-Newton step that are tried in this order until the rms gap decreases.
-_STEP_FRACTIONS = (1.0, 0.5, 0.25)
+_GAUSS_NEWTON_STEP_FRACTIONS = (1.0, 0.5, 0.25)
 # The registration has converged if a step moves no corner of the upper face by more than this distance (points).
 _CONVERGENCE_DISTANCE = 1e-4
 # Half width of the correlation peak of two faces, as a fraction of their length.
@@ -358,7 +358,7 @@ def _refine_position(upper: Any, lower: Any, position: _FacePosition) -> _FacePo
     max_rotation = math.radians(MAX_ROTATION)
     rms_gap, step = _compute_gauss_newton_step(upper, lower, position)
     for _ in range(_MAX_REFINEMENTS):
-        for scale in _STEP_FRACTIONS:
+        for scale in _GAUSS_NEWTON_STEP_FRACTIONS:
             shift = tuple((np.array(position.shift) + scale * step[: spacings.size]).tolist())
             rotation = position.rotation + scale * float(step[spacings.size :].sum())
             trial_position = _FacePosition(shift, min(max(rotation, -max_rotation), max_rotation))

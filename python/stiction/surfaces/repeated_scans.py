@@ -18,7 +18,7 @@ from stiction.surfaces.filters import gaussian_transmission
 from stiction.surfaces.missing_data import with_interpolated_points
 from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, reject_missing_points
-from stiction.surfaces.scale import MAX_UNATTRIBUTED_FRACTION, mean_square_height_spectrum, round_up_wavelength
+from stiction.surfaces.scale import MAX_NEGLIGIBLE_NOISE_FRACTION, mean_square_height_spectrum, round_up_wavelength
 from stiction.surfaces.surface import Surface, as_body
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ _NUM_REFINEMENT_STEPS = 4
 # Heights of the filtered noise count as independent at this distance (points).
 _POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
 # Number of points that spline interpolation requires beyond the overlap of two scans.
-_OVERLAP_MARGIN = 3
+_OVERLAP_MARGIN_POINTS = 3
 _NUM_TRIAL_CUTOFFS = 400
 # A shift is regarded as a whole number of points if it differs from a whole number by less than this distance (points).
 _INTEGER_SHIFT_TOLERANCE = 1e-4
@@ -208,7 +208,7 @@ def compare_repeated_scans(
     )
     slope_fraction = float(half_difference_spectrum @ q**2 / (spectrum_of_mean_scan @ q**2))
     cutoff = shortest_wavelength
-    if slope_fraction > MAX_UNATTRIBUTED_FRACTION:
+    if slope_fraction > MAX_NEGLIGIBLE_NOISE_FRACTION:
         cutoff = _find_noise_cutoff(q, spectrum_of_mean_scan, half_difference_spectrum, shortest_wavelength, max_cutoff)
     return RepeatedScans(
         scan, shift, correlation, wavelength, make_read_only(noise), make_read_only(common_roughness), noise_rms,
@@ -270,12 +270,12 @@ def _find_noise_cutoff(
 ) -> float:
     """Return the shortest cutoff (µm) that makes the noise fraction of the mean square slope negligible, or NaN.
 
-    The limit of this fraction is `MAX_UNATTRIBUTED_FRACTION`.
+    The limit of this fraction is `MAX_NEGLIGIBLE_NOISE_FRACTION`.
     """
     cutoff: float
     for cutoff in np.geomspace(shortest, longest, _NUM_TRIAL_CUTOFFS).tolist():
         slope_weight = np.square(q * gaussian_transmission(q, cutoff))
-        if noise @ slope_weight <= MAX_UNATTRIBUTED_FRACTION * (spectrum_of_mean_scan @ slope_weight):
+        if noise @ slope_weight <= MAX_NEGLIGIBLE_NOISE_FRACTION * (spectrum_of_mean_scan @ slope_weight):
             return round_up_wavelength(cutoff)
     return math.nan
 
@@ -369,11 +369,11 @@ def _slice_overlap(
     """Return the overlap of two scans at a shift: slices of scan 1 and fractional indices of scan 2."""
     selected_slices, positions = [], []
     for points, second_points, shift_along_axis in zip(first_shape, second_shape, shift.tolist(), strict=True):
-        start = max(0, math.ceil(shift_along_axis) + (_OVERLAP_MARGIN if shift_along_axis > 0 else 0))
+        start = max(0, math.ceil(shift_along_axis) + (_OVERLAP_MARGIN_POINTS if shift_along_axis > 0 else 0))
         end = min(
             points,
             math.floor(second_points + shift_along_axis)
-            - (_OVERLAP_MARGIN if second_points + shift_along_axis < points else 0),
+            - (_OVERLAP_MARGIN_POINTS if second_points + shift_along_axis < points else 0),
         )
         if end - start <= min(points, second_points) / 2:
             raise ValueError(

@@ -30,22 +30,22 @@ MAX_CURVATURE_TIMES_TIP_RADIUS = 0.1
 _ROUGHNESS_BINS_PER_DECADE = 48
 _NOISE_BINS_PER_OCTAVE = 8
 # Widths (octaves) of the windows in which the exponent of a spectrum is fitted.
-_WINDOW_OCTAVES = (1.0, 2.0)
+_FIT_WINDOW_WIDTHS_IN_OCTAVES = (1.0, 2.0)
 # A spectrum contains noise if it falls more slowly with the wave number than the spectrum of a surface with H = 0.
 # The exponent of the spectrum must differ from the exponent for H = 0 by at least this number of standard deviations.
-_MIN_EXPONENT_DEVIATIONS = 3.0
+_MIN_EXPONENT_DIFFERENCE_IN_STANDARD_DEVIATIONS = 3.0
 # A hump in the spectrum is attributed to the instrument if its wavelength (points) is at most this limit.
 _MAX_HUMP_WAVELENGTH_POINTS = 24.0
 # Wavelengths are reliable if their spectral density is at least this multiple of the density where noise dominates.
-_MIN_TRUSTED_SPECTRAL_DENSITY_RATIO = 4.0
+_MIN_DENSITY_TO_NOISE_RATIO = 4.0
 # A spectrum counts as rising if its density exceeds, by this factor, the lowest density at longer wavelengths.
 # Spectra of real surfaces never rise by this factor or more.
 _MIN_DENSITY_RATIO_OF_RISE = 3.0
 # Noise is negligible if it contributes at most this fraction of the mean square slope of a scan.
-MAX_UNATTRIBUTED_FRACTION = 0.1
+MAX_NEGLIGIBLE_NOISE_FRACTION = 0.1
 # Ratio of a filter's cutoff to the wavelength that the filter must remove.
 # At a ratio of 1.9, a Gaussian filter transmits 8 % of the amplitude.
-CUTOFF_WAVELENGTH_RATIO = 1.9
+CUTOFF_TO_REMOVED_WAVELENGTH_RATIO = 1.9
 # Fraction of the mean square slope below which a contribution counts as round-off.
 _MIN_SLOPE_FRACTION = 1e-4
 # Minimum spectral exponent of a rough surface in the shortest octave of a scan, where aliasing flattens spectra.
@@ -363,7 +363,7 @@ class InstrumentLimit(TableReprMixin):
     @property
     def matters(self) -> bool:
         """True if wavelengths below the limit contribute more than a tenth of the mean square slope of the scan."""
-        return self.slope_fraction > MAX_UNATTRIBUTED_FRACTION
+        return self.slope_fraction > MAX_NEGLIGIBLE_NOISE_FRACTION
 
 
 def instrument_limit(
@@ -655,7 +655,7 @@ def _find_noise_and_texture(
     wavelength_limit, kind = _find_noise_wavelength(q, density, count, spacing, periodic=periodic)
     if not wavelength_limit > 0 or (textured and kind not in INSTRUMENT_REASONS):
         return _NoiseAndTexture(math.nan, kind, 0.0, period)
-    if first_harmonic > 0 and _falls_like_surface(q, density_with_harmonics, wavelength_limit):
+    if first_harmonic > 0 and _falls_as_steeply_as_surface_spectra(q, density_with_harmonics, wavelength_limit):
         return _NoiseAndTexture(math.nan, kind, 0.0, period)
     is_unattributed = q * wavelength_limit > 2 * math.pi
     mean_square_slope = float((np.square(q) * density)[is_unattributed].sum() * (q[1] - q[0]) / math.pi)
@@ -666,7 +666,7 @@ def _find_noise_and_texture(
     return _NoiseAndTexture(wavelength_limit, kind, mean_square_slope, period)
 
 
-def _falls_like_surface(q: Floats, density: Floats, wavelength_limit: float) -> bool:
+def _falls_as_steeply_as_surface_spectra(q: Floats, density: Floats, wavelength_limit: float) -> bool:
     """Return whether a spectrum with texture harmonics falls towards short wavelengths as steeply as surface spectra.
 
     Noise that matters exceeds the harmonics at short wavelengths, and flattens their spectrum too. Cusps of unequal
@@ -712,7 +712,7 @@ def _find_noise_wavelength(
     chance_variance = (1.0 if periodic else HANN_VARIANCE_FACTOR) / counts_in_bins
     window_fits = [
         list(_fit_window_exponents(-np.log(wavelengths), np.log(density), chance_variance, width))
-        for width in _WINDOW_OCTAVES
+        for width in _FIT_WINDOW_WIDTHS_IN_OCTAVES
     ]
     if _fit_line_slope(-np.log(wavelengths), np.log(density), chance_variance)[0] > -_MAX_FLAT_EXPONENT:
         return float(wavelengths[0]), "noise floor"
@@ -729,12 +729,12 @@ def _find_noise_wavelength(
     if not any(candidate_bin is not None for candidate_bin in candidate_bins):
         return no_noise
     noisy_bin = min(noisy_bin for noisy_bin in candidate_bins if noisy_bin is not None)
-    trusted_bins = np.flatnonzero(density[: noisy_bin + 1] >= _MIN_TRUSTED_SPECTRAL_DENSITY_RATIO * density[noisy_bin])
+    trusted_bins = np.flatnonzero(density[: noisy_bin + 1] >= _MIN_DENSITY_TO_NOISE_RATIO * density[noisy_bin])
     last_trusted_bin = int(trusted_bins[-1]) if trusted_bins.size else 0
     limit = math.sqrt(wavelengths[last_trusted_bin] * wavelengths[min(last_trusted_bin + 1, noisy_bin)])
     rising_bins = noisy_bin + np.flatnonzero(density[noisy_bin:] > 2 * density[noisy_bin])
     if rising_bins.size:
-        limit = max(limit, CUTOFF_WAVELENGTH_RATIO * float(wavelengths[rising_bins[0]]))
+        limit = max(limit, CUTOFF_TO_REMOVED_WAVELENGTH_RATIO * float(wavelengths[rising_bins[0]]))
     if rising_bins.size and np.sum(density[noisy_bin:] > density[noisy_bin:].max() / 4) <= 2:
         return limit, "line"
     if _is_noise_floor(wavelengths, density, chance_variance, limit):
@@ -797,9 +797,9 @@ def _find_flattening_bin(
     """
     has_fallen = False
     for first_bin, end_bin, exponent, deviation in window_fits:
-        if exponent + _MIN_EXPONENT_DEVIATIONS * deviation < -1:
+        if exponent + _MIN_EXPONENT_DIFFERENCE_IN_STANDARD_DEVIATIONS * deviation < -1:
             has_fallen = True
-        elif has_fallen and exponent - _MIN_EXPONENT_DEVIATIONS * deviation > -1:
+        elif has_fallen and exponent - _MIN_EXPONENT_DIFFERENCE_IN_STANDARD_DEVIATIONS * deviation > -1:
             slope = _fit_line_slope(
                 -np.log(points[first_bin:]), np.log(density[first_bin:]), chance_variance[first_bin:]
             )[0]

@@ -42,27 +42,27 @@ The flanks of a groove are high. The ratio is at most 1.7 for milled, turned and
 _NUM_FLANK_POINTS = 4
 # Minimum height difference of two adjacent points of a wide spike, as a fraction of the spike's height.
 # In a Gaussian groove two points wide (at 1/e of the depth), adjacent points differ by up to 0.4 of the depth.
-_MIN_SPIKE_STEP_RATIO = 0.7
+_MIN_STEP_TO_SPIKE_HEIGHT_RATIO = 0.7
 # Minimum height of a wide spike and minimum depth of a dip, in multiples of the profile's rms height.
 _MIN_SPIKE_TO_RMS_RATIO = 2.0
 
 # A scan counts as flat if its height range without outliers is below this fraction of its whole height range.
-MIN_HEIGHT_RANGE_RATIO = 1e-6
+MIN_HEIGHT_RANGE_RATIO_WITHOUT_OUTLIERS = 1e-6
 
-MIN_LAY_RATIO = 2.0
+MIN_LAY_SLOPE_RATIO = 2.0
 """Smallest ratio of the rms slopes across and along the lay at which the orientation of a map matters.
 
 The ratio is at most 1.2 for isotropic maps with 64 x 64 points.
 """
 # Largest reported ratio of the rms slopes across and along the lay of a map.
-MAX_LAY_RATIO = 1000.0
-_NUM_STRIPS = 8
+MAX_LAY_SLOPE_RATIO = 1000.0
+_NUM_DRIFT_STRIPS = 8
 # Minimum number of points per strip. A smaller scan is not checked for drift of its roughness.
 _MIN_STRIP_POINTS = 4
-MAX_DRIFT = math.log(4.0)
+MAX_LOG_SLOPE_DRIFT = math.log(4.0)
 """Largest reported drift of ln(rms slope). A linear fit overestimates the drift if the roughness changes abruptly."""
 
-MIN_DRIFT_DEVIATIONS = 2.5
+MIN_DRIFT_IN_STANDARD_DEVIATIONS = 2.5
 """Smallest significant drift of the roughness along an axis, as a multiple of its standard deviation by chance.
 
 In 400 Gaussian maps with 64 x 64 and 128 x 128 points, 2.6 % had a drift above this limit along one of the two axes.
@@ -121,9 +121,9 @@ class ScanDefects:
         If the body has no outliers, or is flat except for outliers, it is returned unchanged.
         """
         body = with_interpolated_points(self.body, self.outliers)
-        is_rough = body is self.body or _measure_height_range(body) > MIN_HEIGHT_RANGE_RATIO * _measure_height_range(
-            self.body
-        )
+        is_rough = body is self.body or _measure_height_range(
+            body
+        ) > MIN_HEIGHT_RANGE_RATIO_WITHOUT_OUTLIERS * _measure_height_range(self.body)
         return body if is_rough else self.body
 
     @cached_property
@@ -145,7 +145,7 @@ class ScanDefects:
         return find_hidden_noise(self.body_without_outliers, periodic=self.periodic)
 
     @property
-    def limit_with_tip(self) -> InstrumentLimit | None:
+    def instrument_limit_with_tip(self) -> InstrumentLimit | None:
         """Shortest wavelength at which the scan is reliable, limited by pixels, noise and tip; None without a tip.
 
         Raises a `ValueError` if the body is flat.
@@ -202,9 +202,9 @@ def compute_mean_square_slope(body: Profile | Surface) -> float:
 
 
 def compute_lay_ratio(surface: Surface) -> float:
-    """Compute the ratio of the largest to the smallest rms slope of a map over all directions, up to `MAX_LAY_RATIO`.
+    """Compute the ratio of the largest to the smallest rms slope of a map over all directions.
 
-    The slopes are averaged over the cells of the grid.
+    The slopes are averaged over the cells of the grid. The ratio is at most `MAX_LAY_SLOPE_RATIO`.
     """
     heights, (step_y, step_x) = surface.heights, surface.spacing
     slope_y = (np.diff(heights[:, 1:], axis=0) + np.diff(heights[:, :-1], axis=0)) / (2 * step_y)
@@ -212,7 +212,7 @@ def compute_lay_ratio(surface: Surface) -> float:
     smallest_variance, largest_variance = np.linalg.eigvalsh(np.cov(slope_y.ravel(), slope_x.ravel())).tolist()
     if not largest_variance > 0:
         return 1.0
-    return math.sqrt(largest_variance / max(smallest_variance, largest_variance / MAX_LAY_RATIO**2))
+    return math.sqrt(largest_variance / max(smallest_variance, largest_variance / MAX_LAY_SLOPE_RATIO**2))
 
 
 def estimate_roughness_drift(body: Profile | Surface) -> float:
@@ -231,7 +231,7 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
     quarter of the relative variance of the mean square.
     """
     heights = body.heights
-    if min(heights.shape) <= _NUM_STRIPS * _MIN_STRIP_POINTS:
+    if min(heights.shape) <= _NUM_DRIFT_STRIPS * _MIN_STRIP_POINTS:
         return 0.0
     differences = [np.diff(heights, axis=axis) / body.spacings[axis] for axis in range(heights.ndim)]
     # The derivatives along x and y are computed at the centres of the grid cells.
@@ -264,9 +264,9 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
     )  # fmt: skip
     variances_by_axis = np.maximum(variances, chance_variance)
     squared_trends = np.square(trends)
-    if not (squared_trends > MIN_DRIFT_DEVIATIONS**2 * variances_by_axis).any():
+    if not (squared_trends > MIN_DRIFT_IN_STANDARD_DEVIATIONS**2 * variances_by_axis).any():
         return 0.0
-    return min(MAX_DRIFT, math.sqrt(float((squared_trends - variances_by_axis).clip(0).sum())))
+    return min(MAX_LOG_SLOPE_DRIFT, math.sqrt(float((squared_trends - variances_by_axis).clip(0).sum())))
 
 
 def _fit_strip_trend(mean_square_slopes: Floats, axis: int) -> tuple[float, float]:
@@ -276,15 +276,15 @@ def _fit_strip_trend(mean_square_slopes: Floats, axis: int) -> tuple[float, floa
     """
     lines = np.moveaxis(mean_square_slopes, axis, 0)
     strip_means = np.array([float(np.nanmean(strip)) if np.isfinite(strip).any() else 0.0
-                       for strip in np.array_split(lines, _NUM_STRIPS)])  # fmt: skip
+                       for strip in np.array_split(lines, _NUM_DRIFT_STRIPS)])  # fmt: skip
     if not (strip_means > 0).all():
         return 0.0, 0.0
     log_slopes = np.log(strip_means) / 2
-    positions = (np.arange(_NUM_STRIPS) + 0.5) / _NUM_STRIPS - 0.5
+    positions = (np.arange(_NUM_DRIFT_STRIPS) + 0.5) / _NUM_DRIFT_STRIPS - 0.5
     position_square_sum = float(positions @ positions)
     trend = float(positions @ log_slopes) / position_square_sum
     residuals = log_slopes - log_slopes.mean() - trend * positions
-    return trend, float(residuals @ residuals) / (_NUM_STRIPS - 2) / position_square_sum
+    return trend, float(residuals @ residuals) / (_NUM_DRIFT_STRIPS - 2) / position_square_sum
 
 
 def _measure_height_range(body: Profile | Surface) -> float:
@@ -349,7 +349,9 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
         is_above_flanks = abs(deviation) > MIN_SPIKE_TO_FLANK_RATIO * width * flank_height
         heights = measure_from_flanks(profile.heights, group)
         height = float(np.abs(heights).max())
-        has_step = height > min_height and float(np.abs(np.diff(heights)).max()) > _MIN_SPIKE_STEP_RATIO * height
+        has_step = (
+            height > min_height and float(np.abs(np.diff(heights)).max()) > _MIN_STEP_TO_SPIKE_HEIGHT_RATIO * height
+        )
         is_isolated[group] = has_step or (is_above_flanks and (deviation > 0 or -deviation > min_height))
     return is_isolated
 

@@ -22,7 +22,7 @@ BodyLike = Any
 _CPP_MEASURE_NAMES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
 # Smallest height range (µm) of a body. The largest height range (µm) is 1 divided by this number.
 # The fourth powers of smaller heights underflow, and the fourth powers of larger heights overflow.
-_MIN_HEIGHT = 1e-50
+_MIN_BODY_HEIGHT_RANGE = 1e-50
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -197,8 +197,8 @@ def reject_flat_body(body: Profile | Surface) -> None:
     kind_name, height = type(body).__name__.lower(), float(np.ptp(body.heights))
     if height == 0:
         raise ValueError(f"{kind_name} must not be flat, because a flat {kind_name} has no roughness")
-    if not _MIN_HEIGHT < height < 1 / _MIN_HEIGHT:
+    if not _MIN_BODY_HEIGHT_RANGE < height < 1 / _MIN_BODY_HEIGHT_RANGE:
         raise ValueError(
-            f"the height range of the {kind_name} must be between {_MIN_HEIGHT:g} and {1 / _MIN_HEIGHT:g} µm, "
-            f"got {height:g}"
+            f"the height range of the {kind_name} must be between {_MIN_BODY_HEIGHT_RANGE:g} and "
+            f"{1 / _MIN_BODY_HEIGHT_RANGE:g} µm, got {height:g}"
         )

@@ -19,7 +19,7 @@ _SMOOTHNESS_PENALTY = 2.0
 # Densities below this fraction of the largest density count as round-off.
 _ROUND_OFF_FRACTION = 1e-14
 # Maximum number of iterations in the fit of a surrogate's spectrum. About ten are usually enough.
-_MAX_SCORING_STEPS = 1000
+_MAX_SPECTRUM_FIT_STEPS = 1000
 # The fit of a surrogate's spectrum has converged if an iteration changes each ln(density) by less than this number.
 _CONVERGENCE_TOLERANCE = 1e-6
 # Default maximum number of rows and of columns of a surrogate.
@@ -316,7 +316,7 @@ def _fit_densities(response: Floats, measured_density: Floats, count: Floats, de
     second_difference = np.diff(np.eye(density.size), 2, axis=0)
     log_density = np.log(density)
     lowest_cost = cost(log_density)
-    for _ in range(_MAX_SCORING_STEPS):
+    for _ in range(_MAX_SPECTRUM_FIT_STEPS):
         contributions = response * np.exp(log_density)
         fitted_density = contributions.sum(axis=1)
         gradient = contributions.T @ (

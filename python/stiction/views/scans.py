@@ -17,7 +17,7 @@ from stiction.summary.assessment import Caveat
 from stiction.summary.input_caveats import MAX_RATIO_OF_TWO_SPECTRA, have_different_spectra
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.repeated_scans import RepeatedScans
-from stiction.surfaces.scale import MAX_UNATTRIBUTED_FRACTION
+from stiction.surfaces.scale import MAX_NEGLIGIBLE_NOISE_FRACTION
 from stiction.views.json_record import caveat_record
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.spreadsheet import frame_to_csv
@@ -227,7 +227,7 @@ def describe_mean_scan_noise(comparison: RepeatedScans) -> str:
     """Return a sentence on the noise in the slope of the averaged scan, and on the cutoff that limits this noise."""
     if math.isnan(comparison.limit):
         return "At any cutoff, more than a tenth of the mean square slope of the mean scan is noise."
-    if comparison.slope_fraction <= MAX_UNATTRIBUTED_FRACTION:
+    if comparison.slope_fraction <= MAX_NEGLIGIBLE_NOISE_FRACTION:
         return "All wavelengths of the mean scan can be used: less than a tenth of its mean square slope is noise."
     return (
         f"{format_percent(comparison.slope_fraction)} of the mean square slope of the mean scan is noise: "

@@ -17,7 +17,7 @@ MAX_LINES, MAX_CELLS_PER_LINE = 25_000_000, 4_000_000
 # The header of a known file layout is searched for in the first lines, and in the first characters of these lines.
 MAX_FIRST_LINES, MAX_FIRST_LINE_LENGTH = 200, 1000
 # Number of characters per step when the lines of a text are classified.
-PIECE_LENGTH = 250_000
+CHARACTERS_PER_STEP = 250_000
 _MAX_SHOWN_LENGTH = 60
 
 BLANK_LINE_CODE, NUMBER_LINE_CODE, TEXT_LINE_CODE = 0, 1, 2
@@ -133,7 +133,9 @@ class DecodedText:
         starts, bits_of_pieces, first_line = self.line_starts, [], 0
         # The text is classified in pieces that fit into the processor's cache, which reduces the time by a third.
         while first_line < len(self):
-            end_line = max(first_line + 1, int(np.searchsorted(starts, starts[first_line] + PIECE_LENGTH, "right")) - 1)
+            end_line = max(
+                first_line + 1, int(np.searchsorted(starts, starts[first_line] + CHARACTERS_PER_STEP, "right")) - 1
+            )
             piece = self.data[starts[first_line] : starts[end_line]].translate(_CHARACTER_KIND_TABLE)
             bits_of_pieces.append(
                 np.bitwise_or.reduceat(np.frombuffer(piece, np.uint8), starts[first_line:end_line] - starts[first_line])

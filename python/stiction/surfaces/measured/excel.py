@@ -21,8 +21,8 @@ MAX_WORKBOOK_TAGS = 10_000_000
 # Maximum number of XML tags in a row of a sheet, to limit the memory: eight tags for each possible column.
 MAX_TAGS_PER_ROW = 8 * 16_384
 # Text that replaces a formula whose result is not stored in the workbook.
-_FORMULA_WITHOUT_VALUE = "unevaluated formula"
-_FORMULA_WITHOUT_VALUE_PATTERN = re.compile(
+_UNEVALUATED_FORMULA_TEXT = "unevaluated formula"
+_UNEVALUATED_FORMULA_PATTERN = re.compile(
     rb"</(?:\w+:)?f>\s*(?:<(?:\w+:)?v\s*(?:/>|>\s*</(?:\w+:)?v>)\s*)?</(?:\w+:)?c>"
 )
 _Rows = list[tuple[Any, ...]]
@@ -100,7 +100,7 @@ def _mark_formulas_without_values(rows: _Rows, formulas: _Rows) -> _Rows:
         row = (*row, *(None,) * (len(formula_row) - len(row)))
         marked_rows.append(
             tuple(
-                _FORMULA_WITHOUT_VALUE
+                _UNEVALUATED_FORMULA_TEXT
                 if cell is None and isinstance(formula, str) and formula.startswith("=")
                 else cell
                 for cell, formula in itertools.zip_longest(row, formula_row)
@@ -130,7 +130,7 @@ def _check_archive(data: bytes) -> bool:
                 if max(tags_in_row + first_part, *rows, 0) > MAX_TAGS_PER_ROW:
                     raise FormatError("has a sheet with more cells in a row than Excel allows")
                 tags_in_row = rows[-1] if rows else tags_in_row + first_part
-                has_formulas_without_values |= bool(_FORMULA_WITHOUT_VALUE_PATTERN.search(end_of_chunk + chunk))
+                has_formulas_without_values |= bool(_UNEVALUATED_FORMULA_PATTERN.search(end_of_chunk + chunk))
                 end_of_chunk = chunk[-100:]
     return has_formulas_without_values
 

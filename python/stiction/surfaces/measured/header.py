@@ -107,18 +107,18 @@ _CONVERTER_UNIT_PATTERN = (
     r"(?:V|volts?|mV|LSB|bits?|digits?|counts?|inc(?:rements?)?|levels?|gr[ae]y[ _-]?(?:levels?|values?))"
 )
 # This pattern excludes a factor of 1, which leaves the heights unchanged.
-_EXCEPT_ONE_PATTERN = r"(?!\s*1(?:[.,]0*)?\s*[*×x]?\W*$)"
+_FACTOR_OTHER_THAN_ONE_PATTERN = r"(?!\s*1(?:[.,]0*)?\s*[*×x]?\W*$)"
 _UNAPPLIED_FACTOR_PATTERN = LazyPattern(
     # This pattern matches a factor above a matrix of heights, such as "1.0e-03 *".
-    rf"\W*{_EXCEPT_ONE_PATTERN}[0-9.,]{{1,20}}(?:e[+-]?[0-9]{{1,3}})?\s*[*×x]\W*|"
+    rf"\W*{_FACTOR_OTHER_THAN_ONE_PATTERN}[0-9.,]{{1,20}}(?:e[+-]?[0-9]{{1,3}})?\s*[*×x]\W*|"
     rf"\W*{_POWER_OF_TEN_PATTERN}\W*|"
     r".*(?<![0-9])(?<![0-9] )(?:[×*·]\s*(?:10|1e)|x\s*(?:10\s*\^|10\s*[-−+][0-9]|1e[-+−]?[0-9]|10{3,6}\b)).*|"
     # This pattern matches a height factor such as "z x0.1 (um)".
     r".*\b(?:z|heights?)\s+x\s?(?!1(?:[.,]0*)?(?![0-9.,e]))[.,]?[0-9].*|"
     r".*\b(?:multiplied|multiply|divided|divide|scaled|normali[sz]ed|multipliziert|dividiert|skaliert|normiert)\s+"
-    rf"(?:(?:by|mit|durch|um)\b{_EXCEPT_ONE_PATTERN}|(?:to|auf)\b(?!\s*1\s*:\s*1\W*$)).*|"
-    rf".*\b(?:z|heights?|data|values?|numbers?)\W+(?:are\s+)?times\s+{_EXCEPT_ONE_PATTERN}{DECIMAL_PATTERN}\b.*|"
-    rf"\W*(?:times\s+{_EXCEPT_ONE_PATTERN}{DECIMAL_PATTERN}|z\s*[/*×·]\s*10+)\W*|"
+    rf"(?:(?:by|mit|durch|um)\b{_FACTOR_OTHER_THAN_ONE_PATTERN}|(?:to|auf)\b(?!\s*1\s*:\s*1\W*$)).*|"
+    rf".*\b(?:z|heights?|data|values?|numbers?)\W+(?:are\s+)?times\s+{_FACTOR_OTHER_THAN_ONE_PATTERN}{DECIMAL_PATTERN}\b.*|"
+    rf"\W*(?:times\s+{_FACTOR_OTHER_THAN_ONE_PATTERN}{DECIMAL_PATTERN}|z\s*[/*×·]\s*10+)\W*|"
     r"\W*(?:z|heights?|höhen?)\b.*[0-9]\s*[nuµpm]?m\s*(?:/|per\b|pro\b)\s*(?!s\b|sec|min)[^\W\d_]+.*|"
     # This pattern excludes "heights in 1 µm", which is a unit and not a factor.
     r"(?!\W*(?:z|heights?|data|values?)\s+(?:are\s+)?in\s+1(?:[.,]0*)?\s)"
@@ -128,17 +128,17 @@ _UNAPPLIED_FACTOR_PATTERN = LazyPattern(
     r"(?:fa[ck]tor|facteur|fattore|fator|multiplier|multiplicat\w*|scaling|skalierung|sensitivity|empfindlichkeit|"
     r"gain|verstärkung|amplification|conversion(?! of)|umrechnung|magnification|vertikalvergrößerung|"
     r"überhöhung|倍率|係数|系数|比例|множитель|коэффициент)(?![^\W\d_]).{0,20}?"
-    rf"{SEPARATOR_PATTERN}{_EXCEPT_ONE_PATTERN}{DECIMAL_PATTERN}.*|"
+    rf"{SEPARATOR_PATTERN}{_FACTOR_OTHER_THAN_ONE_PATTERN}{DECIMAL_PATTERN}.*|"
     r"\W*(?:(?:z|heights?|data|values?|vertical|scal\w*|unit|decimal)[\s_-]*)*exponent(?![^\W\d_]).{0,20}?"
     # This pattern excludes an exponent of 0, which leaves the heights unchanged.
     rf"{SEPARATOR_PATTERN}(?![-+]?0(?:[.,]0*)?\W*$){DECIMAL_PATTERN}.*|"
     rf"\W*(?:(?:z|heights?|data|values?|vertical)[\s_-]*)*scale{SEPARATOR_PATTERN}"
-    rf"{_EXCEPT_ONE_PATTERN}{DECIMAL_PATTERN}\W*|"
+    rf"{_FACTOR_OTHER_THAN_ONE_PATTERN}{DECIMAL_PATTERN}\W*|"
     rf".*(?:\b(?:[nuµp]?m|heights?|volts?|V)|[0-9][nuµp]m)\s*(?:/|per)\s*(?:{_CONVERTER_UNIT_PATTERN}|div|[nuµm]m)\b.*|"
     rf".*\b{_CONVERTER_UNIT_PATTERN}\s*(?:/|per)\s*[nuµm]m\b.*|.*\b(?:tenth|hundredth|thousandth)s? of\b.*|"
     rf"\W*(?:z|heights?)\s*=\s*(?:(?!1(?:[.,]0*)?\s*[*×·x]){DECIMAL_PATTERN}\s*[*×·x]\s*[^\W\d].*|"
-    rf"[^\W\d]\w*\s*[*×·x/]\s*{_EXCEPT_ONE_PATTERN}{DECIMAL_PATTERN}\W*)|"
-    rf"\W*(?:vertical[\s_-]*)?(?:vergrößerung|maßstab|massstab|scale){SEPARATOR_PATTERN}{_EXCEPT_ONE_PATTERN}(?!1\s*:\s*1\W*$)"
+    rf"[^\W\d]\w*\s*[*×·x/]\s*{_FACTOR_OTHER_THAN_ONE_PATTERN}{DECIMAL_PATTERN}\W*)|"
+    rf"\W*(?:vertical[\s_-]*)?(?:vergrößerung|maßstab|massstab|scale){SEPARATOR_PATTERN}{_FACTOR_OTHER_THAN_ONE_PATTERN}(?!1\s*:\s*1\W*$)"
     rf"{DECIMAL_PATTERN}\s*:\s*1\W*|"
     rf"\W*(?:z\W+)?LSB{SEPARATOR_PATTERN}{DECIMAL_PATTERN}.*|"
     rf".*(?<![0-9.,])1\s*{_CONVERTER_UNIT_PATTERN}\s*[=:]\s*{DECIMAL_PATTERN}.*",
@@ -300,7 +300,7 @@ prefix, as in "z u m".
 _NUMBERED_NAME_PATTERN = LazyPattern(r".*\b(?:profile?|scan|trace|line|track|messung|nr\.?|no\.?)", re.IGNORECASE)
 """Regular expression for words before the number of a profile, as in "Profile 10 um"."""
 
-_WORDS_LIKE_UNITS = ("point", "points", "pt", "pts", "line", "lines", "min", "sec", "px", "pixel", "pixels")
+_NAME_ENDINGS_LIKE_UNITS = ("point", "points", "pt", "pts", "line", "lines", "min", "sec", "px", "pixel", "pixels")
 """Last words of column names that look like units but are no units, as in "data point" and "z min"."""
 
 
@@ -580,10 +580,10 @@ def parse_column_headings(header: Sequence[str], width: int, dialect: Dialect) -
     if not lines:
         return ColumnHeadings()
     names, has_unit_line = _parse_column_names(lines, width, dialect)
-    if len(lines) > 2 and not has_unit_line and not _names_axes(names):
+    if len(lines) > 2 and not has_unit_line and not _contains_axis_name(names):
         # Below the line of units, a table may have a line with the data types of the columns.
         names_above, has_unit_line = _parse_column_names(lines[:-1], width, dialect)
-        if has_unit_line and _names_axes(names_above):
+        if has_unit_line and _contains_axis_name(names_above):
             lines, names = lines[:-1], names_above
     units = _parse_column_units(lines, width, dialect)
     if has_unit_line:
@@ -644,11 +644,18 @@ def _parse_column_names(lines: Sequence[str], width: int, dialect: Dialect) -> t
     units = [cell.strip("[]() ") for cell in names]
     previous_names = (split_column_names(lines[-2], width, dialect) if len(lines) > 1 else None) or []
     is_unit_line = all(not unit or is_unit(unit) for unit in units) or (
-        (any(map(parse_length_unit, units)) or (_names_axes(previous_names) and not _names_axes(units) and all(units)))
+        (
+            any(map(parse_length_unit, units))
+            or (_contains_axis_name(previous_names) and not _contains_axis_name(units) and all(units))
+        )
         and all(len(unit) <= MAX_UNIT_LENGTH for unit in units)
     )
     previous_units = [cell.strip("[]() ") for cell in previous_names]
-    if any(map(parse_length_unit, previous_units)) and not _names_axes(previous_units) and _names_axes(names):
+    if (
+        any(map(parse_length_unit, previous_units))
+        and not _contains_axis_name(previous_units)
+        and _contains_axis_name(names)
+    ):
         return tuple(
             f"{name} [{unit}]" if unit else name for name, unit in zip(names, previous_units, strict=True)
         ), True
@@ -659,7 +666,7 @@ def _parse_column_names(lines: Sequence[str], width: int, dialect: Dialect) -> t
     return tuple(names), False
 
 
-def _names_axes(names: Sequence[str]) -> bool:
+def _contains_axis_name(names: Sequence[str]) -> bool:
     """Return whether at least one column name denotes positions or heights."""
     return any(is_length_axis(name) or _HEIGHT_NAME_PATTERN.search(name) for name in names)
 
@@ -714,7 +721,9 @@ def unit_in_column_name(cell: str) -> str | None:
     bracketed_texts = _BRACKETED_WORD_PATTERN.findall(cell)
     last_part = bracketed_texts[-1].strip() if bracketed_texts else cell.strip(" \"'")
     # A capitalised word such as "Pixel" names a column of point numbers, and is not a unit.
-    is_point_number = not bracketed_texts and last_part.casefold() in _WORDS_LIKE_UNITS and not last_part.islower()
+    is_point_number = (
+        not bracketed_texts and last_part.casefold() in _NAME_ENDINGS_LIKE_UNITS and not last_part.islower()
+    )
     if not is_point_number and NON_LENGTH_UNIT_PATTERN.fullmatch(last_part):
         return last_part
     if not bracketed_texts and (unit := _find_scaled_unit(last_part)) is not None:
@@ -766,7 +775,7 @@ def _find_unknown_unit(name: str) -> str | None:
 
 def _is_unit_word(word: str) -> bool:
     """Return whether a word is a unit, but not of length; words such as "point" in "data point" are excluded."""
-    return word.casefold() not in _WORDS_LIKE_UNITS and NON_LENGTH_UNIT_PATTERN.fullmatch(word) is not None
+    return word.casefold() not in _NAME_ENDINGS_LIKE_UNITS and NON_LENGTH_UNIT_PATTERN.fullmatch(word) is not None
 
 
 def _find_scaled_unit(name: str) -> str | None:

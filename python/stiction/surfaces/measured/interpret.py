@@ -36,7 +36,7 @@ from stiction.surfaces.surface import Surface
 MissingPointTreatment = Literal["error", "interpolate", "mask"]
 OutlierTreatment = Literal["keep", "mask"]
 
-MIN_EXTENT_IN_DIGITS = 1000
+MIN_PROFILE_LENGTH_IN_LAST_DIGITS = 1000
 """Minimum length of a profile with slightly uneven positions, in units of the last printed digit of the positions.
 
 The spacing then has a relative error of at most 1/1000.
@@ -636,7 +636,7 @@ def _reject_uneven_positions(x: Floats, mean_spacing: float, resolution: _Positi
             "resample the profile first"
         )
     is_uniform = np.abs(np.diff(x) - mean_spacing).max() <= MAX_STEP_UNEVENNESS * abs(mean_spacing)
-    if not is_uniform and abs(x[-1] - x[0]) < MIN_EXTENT_IN_DIGITS * resolution.values.max():
+    if not is_uniform and abs(x[-1] - x[0]) < MIN_PROFILE_LENGTH_IN_LAST_DIGITS * resolution.values.max():
         raise FormatError(
             f"has positions with too few digits to compute their spacing (about {abs(mean_spacing):.3g} µm); give the "
             'spacing, as in "0.5 um"'

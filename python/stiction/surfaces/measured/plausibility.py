@@ -33,7 +33,7 @@ MIN_DISTINCT_HEIGHTS = 5
 # Maximum number of different codes for missing points below, and above, all measured heights.
 MAX_MISSING_CODES = 4
 # Minimum distance of a code for missing points from the median height, in median absolute deviations.
-MIN_CODE_DEVIATION = 3.0
+MIN_CODE_TO_MEDIAN_DEVIATION_RATIO = 3.0
 # Maximum number of heights from which the median height and the frequency of each height are estimated.
 MAX_SAMPLED_HEIGHTS = 65_536
 # A scan is searched for unusually frequent heights only if it has at least this number of different heights.
@@ -149,7 +149,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
     # A code for missing points must be far from the median height, unless most heights are equal.
     sample = heights[:: max(1, heights.size // MAX_SAMPLED_HEIGHTS)]
     median = float(np.median(sample))
-    max_near_deviation = MIN_CODE_DEVIATION * float(np.median(np.abs(sample - median)))
+    max_near_deviation = MIN_CODE_TO_MEDIAN_DEVIATION_RATIO * float(np.median(np.abs(sample - median)))
     near_sample = sample[np.abs(sample - median) <= max_near_deviation]
     can_be_close = scan.from_file and any(
         _to_number_in_file(extreme, scan) in KNOWN_MISSING_CODES

@@ -159,7 +159,7 @@ class HeightProvenance:
     lines_below: int = 0
 
 
-PlaceValueFunction = Callable[[], Floats]
+LastDigitValueFunction = Callable[[], Floats]
 
 
 @dataclass(frozen=True)
@@ -175,7 +175,7 @@ class RawHeights:
     # Positions of the n points of a profile.
     positions: Floats | None = None
     # Function that returns the place value of the last printed digit of each position.
-    digits: PlaceValueFunction | None = None
+    digits: LastDigitValueFunction | None = None
     # Unit of the positions or, without positions, of the spacing.
     position_unit: str | None = None
     # Spacing (Δx,) or (Δy, Δx) of the heights, if the file has no positions.
@@ -245,7 +245,7 @@ class ColumnTable:
     # Columns of words, whose numbers in `values` are NaN.
     word_columns: tuple[WordColumn, ...] = ()
 
-    def last_digit_value_function(self, column: int) -> PlaceValueFunction | None:
+    def last_digit_value_function(self, column: int) -> LastDigitValueFunction | None:
         """Return a function for the place values of the last printed digits in a column; None if digits are unknown."""
         digits = self.digits
         return None if digits is None else lambda: digits(column)

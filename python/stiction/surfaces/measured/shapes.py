@@ -55,7 +55,7 @@ MAX_SELECTED_PROFILE_COLUMNS = 3
 # Minimum count of numbers with slightly unequal steps that are regarded as measured positions.
 MIN_JITTERED_POSITIONS = 8
 # Steps of measured positions may differ by at most this fraction of the mean step.
-MAX_JITTER = 0.5
+MAX_RELATIVE_STEP_DEVIATION = 0.5
 # A surface counts as tilted if heights and point index have at least this correlation in every line.
 MIN_TILT_CORRELATION = 0.98
 # Minimum count of heights below the first number of a column.
@@ -63,7 +63,7 @@ MIN_TILT_CORRELATION = 0.98
 MIN_COMPARED_NUMBERS = 20
 # Minimum step of a column of positions, in units of the last printed digit.
 # With steps of fewer than three units, coarsely rounded heights could have equal steps by chance.
-MIN_STEP_DIGITS = 3.0
+MIN_STEP_IN_LAST_DIGITS = 3.0
 NameOrIndex = str | int
 
 _NUMBERING_NAME_PATTERN = LazyPattern(
@@ -681,7 +681,7 @@ def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None
     if first_line.size < MIN_JITTERED_POSITIONS or not np.isfinite(first_line[1:]).all():
         return False
     steps = np.diff(first_line[1:])
-    if np.ptp(steps) > MAX_JITTER * abs(steps.mean()) or not ((steps > 0).all() or (steps < 0).all()):
+    if np.ptp(steps) > MAX_RELATIVE_STEP_DEVIATION * abs(steps.mean()) or not ((steps > 0).all() or (steps < 0).all()):
         return False
     # Both positions and heights of a tilted surface rise in unequal steps, but only the heights rise in every line.
     return any(_correlate_with_index(other_line) < MIN_TILT_CORRELATION for other_line in other_lines)
@@ -710,7 +710,7 @@ def has_equal_steps(values: Floats, slack: float = 0.0) -> bool:
     if np.ptp(steps) <= MAX_STEP_UNEVENNESS * abs(mean_step):
         return True
     deviations = np.abs(following - following[0] - mean_step * np.arange(following.size))
-    return bool(slack > 0 and deviations.max() <= slack and abs(mean_step) > MIN_STEP_DIGITS * slack)
+    return bool(slack > 0 and deviations.max() <= slack and abs(mean_step) > MIN_STEP_IN_LAST_DIGITS * slack)
 
 
 def _has_equal_steps_as_printed(values: Floats, digits: Callable[[], Floats] | None) -> bool:

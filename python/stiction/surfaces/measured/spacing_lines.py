@@ -159,12 +159,12 @@ def parse_spacing_declarations(lines: Sequence[str]) -> SpacingDeclarations:
     unitless_values = tuple(value for value in bare_spacings if value is not None)
     return SpacingDeclarations(
         spacing=spacing,
-        spacings=_pair_if_complete(surface_writer_spacings)
-        or _pair_if_complete(axis_spacings)
+        spacings=_complete_pair_or_none(surface_writer_spacings)
+        or _complete_pair_or_none(axis_spacings)
         or pixel_sizes
-        or _pair_if_complete((axis_spacings[0], spacing)),
+        or _complete_pair_or_none((axis_spacings[0], spacing)),
         row_spacing=axis_spacings[0],
-        size=_pair_if_complete(sizes),
+        size=_complete_pair_or_none(sizes),
         bare_spacing=unitless_values or (None if bare_spacing is None else (bare_spacing,)),
         unclear=unclear_spacing,
     )
@@ -274,7 +274,7 @@ def _are_equal(first: DeclaredLength, second: DeclaredLength) -> bool:
     )
 
 
-def _pair_if_complete(pair: Sequence[_T | None]) -> tuple[_T, _T] | None:
+def _complete_pair_or_none(pair: Sequence[_T | None]) -> tuple[_T, _T] | None:
     along_y, along_x = pair
     return None if along_y is None or along_x is None else (along_y, along_x)
 

@@ -459,7 +459,7 @@ def _to_plain_rows(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> t
 
 _MISSING_MARK_PATTERN = re.compile(rb"(?<![^\s;,|\"])(?:\*{1,40}|-{2,40})(?![^\s;,|\"])")
 # The bytes of "--" as an integer are equal in both byte orders.
-_TWO_DASHES = int.from_bytes(b"--", "little")
+_TWO_DASHES_AS_INTEGER = int.from_bytes(b"--", "little")
 # This pattern matches a number with a blank between its digits.
 _BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")
 
@@ -467,7 +467,7 @@ _BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")
 def _has_adjacent_dashes(blob: bytes) -> bool:
     """Return whether a text contains two adjacent dashes. Comparing pairs of bytes is faster than a text search."""
     byte_pairs = (np.frombuffer(blob, np.uint16, (len(blob) - first_byte) // 2, first_byte) for first_byte in (0, 1))
-    return len(blob) >= 2 and any((pairs_at_offset == _TWO_DASHES).any() for pairs_at_offset in byte_pairs)
+    return len(blob) >= 2 and any((pairs_at_offset == _TWO_DASHES_AS_INTEGER).any() for pairs_at_offset in byte_pairs)
 
 
 def _reject_decimal_points(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> None:

@@ -85,12 +85,12 @@ def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
             f"{text.describe_line(line)} does not belong to the same table as lines {first + 1} to {end}; keep only "
             "one table in the file"
         )
-    _reject_rows_above(text, block)
+    _reject_rows_above_table(text, block)
     _reject_separated_positions(text, runs, block)
     return _to_table(text, block, 0, word_columns)
 
 
-def _reject_rows_above(text: DecodedText, block: NumberBlock) -> None:
+def _reject_rows_above_table(text: DecodedText, block: NumberBlock) -> None:
     """Raise `FormatError` if many lines above a table contain numbers that are neither counts nor sizes."""
     lines = np.flatnonzero(text.line_kinds[: int(block.lines[0])] == NUMBER_LINE_CODE).tolist()
     max_rows = int(MAX_FOOTER_FRACTION * block.lines.size) + 2

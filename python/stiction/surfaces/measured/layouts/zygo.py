@@ -37,7 +37,7 @@ from stiction.surfaces.measured.text_table import make_height_provenance
 
 # Indices of two header lines, counted from 0: origin and size of the map, and pixel size.
 _MAP_SIZE_LINE_INDEX, _PIXEL_SIZE_LINE_INDEX = 3, 7
-_PIXEL_SIZE_PLACE = f"for the pixel size in line {_PIXEL_SIZE_LINE_INDEX + 1}"
+_PIXEL_SIZE_LINE_TEXT = f"for the pixel size in line {_PIXEL_SIZE_LINE_INDEX + 1}"
 
 
 def _read(text: DecodedText) -> RawHeights:
@@ -55,8 +55,8 @@ def _read(text: DecodedText) -> RawHeights:
         raise FormatError("lacks the map size in line 4, or the pixel size in line 8") from None
     # An instrument without lateral calibration writes a pixel size of 0.
     spacing = None
-    if parse_number(pixel_size_text, _PIXEL_SIZE_PLACE) != 0:
-        spacing = (parse_positive_number(pixel_size_text, _PIXEL_SIZE_PLACE),) * 2
+    if parse_number(pixel_size_text, _PIXEL_SIZE_LINE_TEXT) != 0:
+        spacing = (parse_positive_number(pixel_size_text, _PIXEL_SIZE_LINE_TEXT),) * 2
     block = parse_number_block(text, first, last, Dialect(None, "."))
     if block.values.shape[1] != 3:
         raise FormatError(f"{text.describe_line(first)} must contain a column number, a row number and a height")
