@@ -24,7 +24,9 @@ from stiction.views.style import (
 
 ROOT = Path(__file__).resolve().parents[2]
 SCANS_DIRECTORY = ROOT / "examples/scans"
-EXAMPLE_PAIR_OPTIONS = {"upper": "steel", "lower": "brass", "hardness": "120 HV ± 10 %", "mu0": 0.2, "tau0": "50 MPa"}
+EXAMPLE_PAIR_OPTIONS = {
+    "upper": "steel", "lower": "brass", "hardness": "120 HV ± 10 %", "lay": "grooves", "mu0": 0.2, "tau0": "50 MPa",
+}  # fmt: skip
 """Options of `pair` in the example in README, except the load."""
 CURVE_LOADS = np.geomspace(1.0, 100.0, 9)
 DRAWN_PROFILE_HALF_WIDTH = 20.0

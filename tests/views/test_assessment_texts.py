@@ -217,6 +217,24 @@ def test_surrogates_much_smaller_than_the_scan_add_a_caveat():
 
 
 @pytest.mark.parametrize(
+    ("half_width_ratio", "is_assumed", "has_caveat"), [(0.01, True, True), (0.1, True, False), (0.01, False, False)]
+)
+def test_assumed_lay_adds_a_caveat_if_the_interval_excludes_the_coefficient_without_roughness(
+    half_width_ratio, is_assumed, has_caveat
+):
+    study = measured_study(press="lines", mu0=(0.2,)).with_changes(
+        {"surfaces.lay_assumed": True if is_assumed else None}
+    )
+    point = summarize_single_point(measured_result(all_contacts=0.21, half_width_ratio=half_width_ratio), study)
+    (caveat,) = [caveat for caveat in point.caveats if "the lay is assumed" in caveat.text] or [None]
+    assert (caveat is not None) == has_caveat
+    if caveat is not None:
+        assert caveat.text.endswith("anything down to 0.200")
+        assert "--lay isotropic" in caveat.remedy
+        assert point.assessment == "Quote with care"
+
+
+@pytest.mark.parametrize(
     ("numbers", "study"),
     [
         (

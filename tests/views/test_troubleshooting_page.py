@@ -43,6 +43,8 @@ def list_result_caveats():
     attributes |= {"upper_spacing_um": 0.1, "lower_spacing_um": 0.1}
     cases.append((measured_result(all_contacts=0.4).assign_attrs(attributes), elastic_study))
     cases.append((measured_result(mean_pressure=0.95), plastic_study.with_changes({"contact.yield_exponent": None})))
+    study_of_profiles = measured_study(press="lines").with_changes({"surfaces.lay_assumed": True})
+    cases.append((measured_result(half_width_ratio=0.01), study_of_profiles))
     faulty_alternative = summarize(measured_result(half_width_ratio=0.9), elastic_study)
     summaries = [summarize(dataset, study) for dataset, study in cases]
     summaries += [

@@ -177,6 +177,10 @@ class MeasuredLineSettings(CommonMeasuredSurfaceSettings):
         default=None,
         description="Largest offset; by default half the length of a single pair, and 0 for several pairs.",
     )
+    lay_assumed: Literal[True] | None = Field(
+        default=None,
+        description="True if `pair` assumed the lay of two profiles: the result has a caveat if the lay matters.",
+    )
     replace: SurrogateBodies = Field(
         default="none", description="Bodies that are replaced by their surrogates, with a new surrogate for each line."
     )

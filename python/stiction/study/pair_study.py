@@ -580,6 +580,8 @@ class MeasuredPair:
                     got=repr(surrogate_choice),
                 )
             section |= {"along": self.options.along or "x", "replace": surrogate_choice}
+            if self.are_profiles and self.options.lay is None and self.options.law is None:
+                section["lay_assumed"] = True
             section |= {"offsets": self._count_positions()[1]} if self._listed_positions is None else {}
             if self.options.travel is not None:
                 section["travel"] = self._parse_quantity("travel", self.options.travel)

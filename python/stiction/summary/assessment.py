@@ -15,6 +15,7 @@ from stiction._number_format import format_number, format_percent, format_signif
 from stiction.calibration.friction_tests import NEGLIGIBLE_GROWTH_EFFECT
 from stiction.evaluate.intervals import MIN_NEIGHBOURING_VALUES, MIN_SAMPLE_SIZE
 from stiction.evaluate.member_means import AREA_ABOVE_NOMINAL_STATUS, FULL_CONTACT_STATUS
+from stiction.evaluate.member_values import has_grooves
 from stiction.evaluate.point import (
     SlidingRuleCoefficient,
     effective_modulus_at,
@@ -832,6 +833,27 @@ def _find_orientation_caveats(point: xarray.Dataset, study: Study) -> Iterator[C
         # The text of the caveat must fit on one line.
         text = f"one orientation of the lays (slope ratio {format_significant(min(ratios), 2)}) is pressed"
         yield Caveat(text, "try --rotate 180", "caution")
+
+
+def find_lay_caveats(
+    study: Study, coefficient: SlidingRuleCoefficient, roughness_contribution: float | None
+) -> Iterator[Caveat]:
+    """Yield a caveat if the lay of two profiles is assumed, and if another lay may change the coefficient.
+
+    The lay only changes the contribution of roughness to the coefficient. Without grooves, the true area is smaller,
+    and the contribution lies between 0 and its value with grooves. There is no caveat if the interval contains the
+    coefficient without this contribution.
+    """
+    is_lower_limit = coefficient.status == friction.STATUS_BULK_SHEAR
+    if not getattr(study.surfaces, "lay_assumed", None) or math.isnan(coefficient.value) or is_lower_limit:
+        return
+    text = f"the lay is assumed: {'parallel grooves' if has_grooves(study) else 'spherical asperities'} on both faces"
+    if roughness_contribution is not None:
+        lowest_coefficient = coefficient.value - roughness_contribution
+        if coefficient.lower <= lowest_coefficient <= coefficient.upper:
+            return
+        text += f"; with another lay, the coefficient may be anything down to {lowest_coefficient:.3f}"
+    yield Caveat(text, "specify --lay grooves or, for faces without grooves, --lay isotropic", "caution")
 
 
 MIN_YIELDING_PRESSURE_FRACTION = 0.45

@@ -54,6 +54,7 @@ from stiction.summary.assessment import (
     Caveat,
     assess_caveats,
     find_caveats_of_failed_checks,
+    find_lay_caveats,
     find_point_caveats,
 )
 
@@ -554,7 +555,12 @@ def summarize_point(
         for caveat in input_caveats
         if study.surfaces.both_readings or cut_off < caveat.cut_off
     ]
-    caveats = [*kept_caveats, *find_point_caveats(quoted_values, study, rule_with_interval_of_mean, status)]
+    roughness_contribution = _estimate_roughness_contribution(quoted_values, study, rules[0])
+    caveats = [
+        *kept_caveats,
+        *find_point_caveats(quoted_values, study, rule_with_interval_of_mean, status),
+        *find_lay_caveats(study, rules[0], roughness_contribution),
+    ]
     return PointSummary(
         study=study,
         values=point,
@@ -567,7 +573,7 @@ def summarize_point(
         else _find_bounds_for_finer_scans(quoted_values, study, rule_with_interval_of_mean),
         budget=_list_budget_entries(point, rules[0]),
         contributions=_compute_friction_contributions(quoted_values, study, rules[0]),
-        roughness_contribution=_estimate_roughness_contribution(quoted_values, study, rules[0]),
+        roughness_contribution=roughness_contribution,
         after_dwell=_list_dwell_time_coefficients(point, rules[0].rule),
         pull_off=find_pull_off_values(point, study, rules[0].rule),
         quantities=quantities.estimates,
