@@ -30,7 +30,7 @@ NUM_DIFFERENT_MEMBERS = 7
 NUM_RUNS = 3
 """Number of runs with and without a shared directory. The median of the runs is reported."""
 
-_compute_real_block = runner.compute_block
+_compute_block_by_solver = runner.compute_block
 
 
 class StoredContactSumsReader:
@@ -41,10 +41,10 @@ class StoredContactSumsReader:
         self.has_shared_directory = has_shared_directory
 
     def __call__(self, version: str, study: Study, directory: runner.SharedResultDirectory, members: range) -> object:
-        if self.path not in _sums_by_path:
-            _sums_by_path[self.path] = pickle.loads(Path(self.path).read_bytes())
-        runner.compute_member_arrays = lambda _, member: _sums_by_path[self.path][member % NUM_DIFFERENT_MEMBERS]
-        return _compute_real_block(
+        if self.path not in _stored_sums_by_path:
+            _stored_sums_by_path[self.path] = pickle.loads(Path(self.path).read_bytes())
+        runner.compute_member_arrays = lambda _, member: _stored_sums_by_path[self.path][member % NUM_DIFFERENT_MEMBERS]
+        return _compute_block_by_solver(
             version,
             study,
             directory if self.has_shared_directory else runner.SharedResultDirectory(Path("/nowhere"), ""),
@@ -52,7 +52,7 @@ class StoredContactSumsReader:
         )
 
 
-_sums_by_path: dict[str, list[dict]] = {}
+_stored_sums_by_path: dict[str, list[dict]] = {}
 
 
 def randomise_sums(sums: dict) -> list[dict]:
@@ -86,7 +86,7 @@ def measure_storage_rates(
             )
             return num_stored / (time.perf_counter() - start), (time.process_time() - driver_start) / num_stored
         finally:
-            runner.compute_block = _compute_real_block
+            runner.compute_block = _compute_block_by_solver
 
 
 def run_benchmark() -> list[tuple[str, str]]:

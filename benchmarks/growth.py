@@ -13,7 +13,7 @@ def measure_cost_per_pair(changes: dict[str, object], num_repeats: int = 3) -> f
     return measure_in_time_units(lambda: compute_member_arrays(study, 0), num_repeats) / num_pairs
 
 
-def run_figure6() -> None:
+def run_study_of_figure_6() -> None:
     run(Study.named("figure6").with_changes({"ensemble.repetitions": 8}))
 
 
@@ -55,7 +55,7 @@ def run_benchmark() -> list[tuple[str, str]]:
          join_costs(f"{n}: {cost:.1f}" for n, cost in zip(dimension_counts, costs_by_dimensions, strict=True))),
         ("cost of a pair by number of approaches, U",
          join_costs(f"{n}: {cost:.1f}" for n, cost in zip(approach_counts, costs_by_approaches, strict=True))),
-        ("peak memory of figure6 on two threads", f"{measure_peak_mebibytes(run_figure6):.0f} MiB"),
+        ("peak memory of figure6 on two threads", f"{measure_peak_mebibytes(run_study_of_figure_6):.0f} MiB"),
         ("peak memory of a pair of profiles with ten million points each",
          f"{measure_peak_mebibytes(run_ten_million_points):.0f} MiB"),
     ]  # fmt: skip

@@ -16,12 +16,12 @@ STUDY_ARGUMENTS_BY_TITLE = {
                         "surfaces.frequencies=6"],
     "200 of figure6": ["figure6", "ensemble.repetitions=200"],
 }  # fmt: skip
-READ_RESULT_CODE = "from stiction import *; r = open_result('out');"
+RESULT_OPENING_CODE = "from stiction import *; r = open_result('out');"
 COMMAND_ARGUMENTS_BY_NAME = {
     "run": [],
-    "friction_map": [READ_RESULT_CODE + "friction_map(r, [0.001, 0.01])"],
-    "area_map": [READ_RESULT_CODE + "area_map(r, [0.001, 0.01])"],
-    "stiffness_map": [READ_RESULT_CODE + "stiffness_map(r, [0.001, 0.01])"],
+    "friction_map": [RESULT_OPENING_CODE + "friction_map(r, [0.001, 0.01])"],
+    "area_map": [RESULT_OPENING_CODE + "area_map(r, [0.001, 0.01])"],
+    "stiffness_map": [RESULT_OPENING_CODE + "stiffness_map(r, [0.001, 0.01])"],
     "plot": ["plot", "out"],
     "report": ["report", "out"],
     "export": ["export", "out", "out.nc"],

@@ -13,11 +13,11 @@ NUM_REPETITIONS = 60
 STUDY = Study.named("figure6").with_changes({"ensemble.repetitions": NUM_REPETITIONS})
 NUM_PAIRS = NUM_REPETITIONS * 50
 NUM_TIMING_ROUNDS = 10
-NUM_NEW_THREAD_ROUNDS = 3
+NUM_ROUNDS_WITH_NEW_THREADS = 3
 FFT_INPUT = np.random.default_rng(0).random(150_000)
 
 
-def time_with_new_threads(study: Study, workers: int) -> float:
+def measure_time_with_new_threads(study: Study, workers: int) -> float:
     """Return the run time (s) of a study with new threads, which must first allocate memory."""
     with ThreadPoolExecutor(workers) as pool:
         return median_time(lambda: run(study, executor=pool), 1)
@@ -59,11 +59,14 @@ def run_benchmark() -> list[tuple[str, str]]:
             (f"speed-up by four threads, {detection}, estimated by Amdahl's law", f"{four_thread_speedup:.1f}"),
         ]
     new_thread_speedup = np.median(
-        [time_with_new_threads(STUDY, 1) / time_with_new_threads(STUDY, 2) for _ in range(NUM_NEW_THREAD_ROUNDS)]
+        [
+            measure_time_with_new_threads(STUDY, 1) / measure_time_with_new_threads(STUDY, 2)
+            for _ in range(NUM_ROUNDS_WITH_NEW_THREADS)
+        ]
     )
     rows.append(
         (
-            f"speed-up by a second thread, cell, new threads and memory, median of {NUM_NEW_THREAD_ROUNDS}",
+            f"speed-up by a second thread, cell, new threads and memory, median of {NUM_ROUNDS_WITH_NEW_THREADS}",
             f"{new_thread_speedup:.2f}",
         )
     )

@@ -166,11 +166,11 @@ def judge_part(name, result, **options):
     return ClaimPartOutcome.judge(part, claims.ResampledMeans(result, 0.1, **options))
 
 
-def sum_functions_with_friction(coefficient):
+def frictional_sum_functions(coefficient):
     return {"tangential_elastic": lambda d, a, f: coefficient(d, a, f) * f}
 
 
-def sum_functions_with_adhesion(coefficient):
+def adhesive_sum_functions(coefficient):
     """Return sums in which tau0 = 1 GPa increases the coefficient by a given amount."""
     return {"tangential_adhesive": lambda d, a, f: coefficient(d, a, f) * f}
 
@@ -179,46 +179,40 @@ def sum_functions_with_adhesion(coefficient):
 TRUE_AND_FALSE_DATA = {
     "1a": ({}, {"contact_area": lambda d, a, f: np.sqrt(f)}),
     "1b": ({}, {"contact_area": lambda d, a, f: f**0.7}),
-    "2a": (sum_functions_with_friction(lambda d, a, f: 0.3 * d), sum_functions_with_friction(lambda d, a, f: 0.3 / d)),
+    "2a": (frictional_sum_functions(lambda d, a, f: 0.3 * d), frictional_sum_functions(lambda d, a, f: 0.3 / d)),
     "2b": (
-        sum_functions_with_friction(lambda d, a, f: 0.3 * np.exp(4 * np.maximum(d - 1.5, 0))),
-        sum_functions_with_friction(lambda d, a, f: 0.3 * np.exp(4 * np.minimum(d - 1.5, 0))),
+        frictional_sum_functions(lambda d, a, f: 0.3 * np.exp(4 * np.maximum(d - 1.5, 0))),
+        frictional_sum_functions(lambda d, a, f: 0.3 * np.exp(4 * np.minimum(d - 1.5, 0))),
     ),
     "2c": (
         {"tangential_frictional": lambda d, a, f: 0.2 * d * f},
         {"tangential_frictional": lambda d, a, f: 0.4 / d * f},
     ),
     "3a": (
-        sum_functions_with_adhesion(lambda d, a, f: 0.5),
-        sum_functions_with_adhesion(lambda d, a, f: np.where(d < 1.65, 0.5, -0.5)),
+        adhesive_sum_functions(lambda d, a, f: 0.5),
+        adhesive_sum_functions(lambda d, a, f: np.where(d < 1.65, 0.5, -0.5)),
     ),
-    "3b": (sum_functions_with_adhesion(lambda d, a, f: 2 - d), sum_functions_with_adhesion(lambda d, a, f: d)),
-    "3c": (sum_functions_with_adhesion(lambda d, a, f: f**-0.2), sum_functions_with_adhesion(lambda d, a, f: f**0.2)),
-    "3d": (sum_functions_with_adhesion(lambda d, a, f: 1), sum_functions_with_adhesion(lambda d, a, f: 30)),
-    "4a": (
-        sum_functions_with_adhesion(lambda d, a, f: 2 + (d - 1.4) ** 2),
-        sum_functions_with_adhesion(lambda d, a, f: 2 + d),
-    ),
-    "4b": (
-        sum_functions_with_adhesion(lambda d, a, f: 2 + (d - 1.4) ** 2),
-        sum_functions_with_adhesion(lambda d, a, f: 4 - d),
-    ),
+    "3b": (adhesive_sum_functions(lambda d, a, f: 2 - d), adhesive_sum_functions(lambda d, a, f: d)),
+    "3c": (adhesive_sum_functions(lambda d, a, f: f**-0.2), adhesive_sum_functions(lambda d, a, f: f**0.2)),
+    "3d": (adhesive_sum_functions(lambda d, a, f: 1), adhesive_sum_functions(lambda d, a, f: 30)),
+    "4a": (adhesive_sum_functions(lambda d, a, f: 2 + (d - 1.4) ** 2), adhesive_sum_functions(lambda d, a, f: 2 + d)),
+    "4b": (adhesive_sum_functions(lambda d, a, f: 2 + (d - 1.4) ** 2), adhesive_sum_functions(lambda d, a, f: 4 - d)),
     "4c": (
-        sum_functions_with_adhesion(lambda d, a, f: 2 + (d - 1.4) ** 2),
-        sum_functions_with_adhesion(lambda d, a, f: 2 + (d - 1.2) ** 2),
+        adhesive_sum_functions(lambda d, a, f: 2 + (d - 1.4) ** 2),
+        adhesive_sum_functions(lambda d, a, f: 2 + (d - 1.2) ** 2),
     ),
     "5": (
-        sum_functions_with_friction(lambda d, a, f: 0.3 * f**-0.1),
-        sum_functions_with_friction(lambda d, a, f: 0.3 * f**0.1),
+        frictional_sum_functions(lambda d, a, f: 0.3 * f**-0.1),
+        frictional_sum_functions(lambda d, a, f: 0.3 * f**0.1),
     ),
-    "6": (sum_functions_with_friction(lambda d, a, f: 0.3), sum_functions_with_friction(lambda d, a, f: 0.5)),
+    "6": (frictional_sum_functions(lambda d, a, f: 0.3), frictional_sum_functions(lambda d, a, f: 0.5)),
     "7a": ({"contact_area": lambda d, a, f: f / a}, {"contact_area": lambda d, a, f: f * a}),
-    "7b": (sum_functions_with_adhesion(lambda d, a, f: 0.1 / a), sum_functions_with_adhesion(lambda d, a, f: 10 * a)),
+    "7b": (adhesive_sum_functions(lambda d, a, f: 0.1 / a), adhesive_sum_functions(lambda d, a, f: 10 * a)),
     "7c": (
-        sum_functions_with_friction(lambda d, a, f: 0.3 * np.exp(10 * a * d)),
-        sum_functions_with_friction(lambda d, a, f: 0.3 * np.exp(0.1 * d / a)),
+        frictional_sum_functions(lambda d, a, f: 0.3 * np.exp(10 * a * d)),
+        frictional_sum_functions(lambda d, a, f: 0.3 * np.exp(0.1 * d / a)),
     ),
-    "7d": (sum_functions_with_adhesion(lambda d, a, f: 0.1 / a), sum_functions_with_adhesion(lambda d, a, f: 10 * a)),
+    "7d": (adhesive_sum_functions(lambda d, a, f: 0.1 / a), adhesive_sum_functions(lambda d, a, f: 10 * a)),
     "8a": ({}, {"normal_frictional": lambda d, a, f: -0.4 * f}),
     "8b": ({}, {"normal_adhesive": lambda d, a, f: -2 * f}),
     "8c": ({}, {"normal_frictional": lambda d, a, f: -0.4 * f}),
@@ -253,7 +247,7 @@ def test_synthetic_data_cover_every_part_of_a_claim():
 def test_confidence_band_of_a_noisy_minimum_is_wider_than_its_percentile_interval():
     # The friction does not depend on D except for noise, which lowers the smallest value over D.
     noise = np.random.default_rng(1).lognormal(0, 0.5, size=(8, 1, 40, 1))
-    result = create_result(**sum_functions_with_friction(lambda d, a, f: 0.2 * noise))
+    result = create_result(**frictional_sum_functions(lambda d, a, f: 0.2 * noise))
     bands, percentiles = (
         judge_part("6", result, interval_method=interval_method) for interval_method in ("bands", "percentiles")
     )
@@ -306,9 +300,7 @@ def test_verdict_is_undefined_if_the_range_of_a_claim_has_only_one_fractal_dimen
     undefined_parts = {name for name, verdict in verdicts_by_name.items() if verdict == "undefined"}
     assert undefined_parts == {"2b", "3b", "4b", "5", "7c"}
     # Friction that decreases up to the last D has no minimum.
-    result = create_result(**sum_functions_with_adhesion(lambda d, a, f: 3 - d)).sel(
-        fractal_dimension=slice(1.0, 1.501)
-    )
+    result = create_result(**adhesive_sum_functions(lambda d, a, f: 3 - d)).sel(fractal_dimension=slice(1.0, 1.501))
     assert judge_part("4c", result).verdict == "undefined"
 
 

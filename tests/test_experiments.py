@@ -38,7 +38,7 @@ def test_random_roughness_has_the_spectrum_estimated_from_the_scan(hurst):
     gap = self_affine_surface(1, hurst_exponent=hurst, rms=20.0, shape=(256, 256), spacing=250.0)
     result, density = FRACTURES_NAMESPACE["estimate_spectrum"](gap)
     assert result == pytest.approx(hurst, abs=EXPONENT_TOLERANCE)
-    wave, heights = 1 / 800.0, FRACTURES_NAMESPACE["random_roughness_heights"]((256, 256), 250.0, density, 10e3, 1)
+    wave, heights = 1 / 800.0, FRACTURES_NAMESPACE["generate_random_heights"]((256, 256), 250.0, density, 10e3, 1)
     estimated_density = FRACTURES_NAMESPACE["estimate_spectrum"](Surface(heights, spacing=250.0))[1]
     assert estimated_density(wave) == pytest.approx(density(wave), rel=0.3)
 

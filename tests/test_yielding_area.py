@@ -54,8 +54,8 @@ def area_ratios(script):
         half_space_areas = script.solve_half_space(case, loads)
         plastic = loads / case.hardness
         result["pressure cap"] += list(half_space_areas.capped / areas)
-        result["power"] += list(script.combine_by_power(half_space_areas.elastic, plastic, 2.25) / areas)
-        result["from onset"] += list(script.combine_from_onset(half_space_areas.elastic, plastic, 1.25) / areas)
+        result["power"] += list(script.combine_areas_by_power(half_space_areas.elastic, plastic, 2.25) / areas)
+        result["from onset"] += list(script.combine_areas_from_onset(half_space_areas.elastic, plastic, 1.25) / areas)
     return {name: np.array(values) for name, values in result.items()}
 
 
@@ -75,8 +75,8 @@ def test_yield_onset_formula_for_contact_area_agrees_with_finite_elements(area_r
 
 
 def test_yield_onset_formula_for_contact_area_has_elastic_and_plastic_limits(script):
-    assert script.combine_from_onset(np.array(2.0), np.array(0.9), 1.25) == 2.0
-    assert script.combine_from_onset(np.array(1.0), np.array(1e4), 1.25) == pytest.approx(1e4, rel=0.1)
+    assert script.combine_areas_from_onset(np.array(2.0), np.array(0.9), 1.25) == 2.0
+    assert script.combine_areas_from_onset(np.array(1.0), np.array(1e4), 1.25) == pytest.approx(1e4, rel=0.1)
 
 
 def test_coarse_finite_elements_give_the_elastic_area_and_exceed_the_area_at_limited_pressures(script, tmp_path):

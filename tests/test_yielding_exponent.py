@@ -67,7 +67,9 @@ def test_limiting_pressures_to_the_hardness_underestimates_the_contact_area_of_y
 
 
 def test_yield_onset_formula_for_contact_area_agrees_with_elastic_plastic_solutions(script, areas_by_map):
-    deviations = np.concatenate([case.deviations(script.combine_from_onset, 1.25) for case in areas_by_map.values()])
+    deviations = np.concatenate(
+        [case.deviations(script.combine_areas_from_onset, 1.25) for case in areas_by_map.values()]
+    )
     assert np.abs(deviations).mean() < 0.06
     assert abs(deviations.mean()) < 0.04
 

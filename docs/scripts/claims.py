@@ -412,7 +412,7 @@ _LOW_DIMENSION_RANGE, _MIDDLE_DIMENSION_RANGE, _UPPER_DIMENSION_RANGE, _HIGH_DIM
     (1.6, 1.7),
 )
 _FULL_DIMENSION_RANGE = (1.0, 1.7)
-_DIMENSION_RANGE_OF_MINIMUM = (1.25, 1.55)
+_DIMENSION_RANGE_OF_SMALLEST_FRICTION = (1.25, 1.55)
 
 
 def _find_smallest_area_load_r_squared(r: ResampledMeans) -> Floats | SimultaneousInterval:
@@ -519,7 +519,11 @@ def _dimension_of_smallest_friction(r: ResampledMeans) -> Floats:
     result = np.asarray(r.dimensions[is_used][minimum_indices])
     # If friction is smallest at the last D, it has no minimum, because it may decrease further in the claimed range.
     highest_dimension = r.dimensions[is_used][-1]
-    return np.full(result.shape, np.nan) if result[0] == highest_dimension < _DIMENSION_RANGE_OF_MINIMUM[1] else result
+    return (
+        np.full(result.shape, np.nan)
+        if result[0] == highest_dimension < _DIMENSION_RANGE_OF_SMALLEST_FRICTION[1]
+        else result
+    )
 
 
 def _ratio_of_light_to_heavy_load(r: ResampledMeans) -> Floats:
@@ -666,7 +670,7 @@ CLAIM_PARTS = (
     ClaimPart(
         "4c",
         "D with the smallest mu_s at tau0 = 200 MPa",
-        *_DIMENSION_RANGE_OF_MINIMUM,
+        *_DIMENSION_RANGE_OF_SMALLEST_FRICTION,
         _dimension_of_smallest_friction,
     ),
     ClaimPart(

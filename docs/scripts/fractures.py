@@ -35,8 +35,8 @@ LOW_STRESS_RANGE, HIGH_STRESS_RANGE = (
     (1.0, 2.0),
     (5.0, 10.0),
 )  # stresses (MPa) between which a secant stiffness is computed
-TANGENT_STRESSES = 1.0, 2.0, 5.0  # stresses (MPa) at which errors of the tangent stiffness are listed
-SECANT_RANGES = LOW_STRESS_RANGE, (2.0, 5.0), HIGH_STRESS_RANGE
+TANGENT_STIFFNESS_STRESSES = 1.0, 2.0, 5.0  # stresses (MPa) at which errors of the tangent stiffness are listed
+SECANT_STRESS_RANGES = LOW_STRESS_RANGE, (2.0, 5.0), HIGH_STRESS_RANGE
 DIGITISING_STEP = 4.0  # resolution (µm) of the digitised heights
 FIT_WAVELENGTH_RANGE = 1e3, 10e3  # wavelength range (µm) for the fit of the Hurst exponent
 MIN_STRESS = 0.2  # lowest measured stress (MPa)
@@ -101,14 +101,14 @@ def tabulate_stiffness_errors(directory, names=("vd1", "vd2")):
     for name in names:
         (displacement, stress), _ = read_load_test(directory, name)
         mean_stress, measured_tangent = (stress[1:] + stress[:-1]) / 2, np.diff(stress) / np.diff(displacement)
-        tangent_stresses = [*TANGENT_STRESSES, mean_stress[-1]]
-        stresses = np.unique(np.concatenate([tangent_stresses, *SECANT_RANGES]))
+        tangent_stresses = [*TANGENT_STIFFNESS_STRESSES, mean_stress[-1]]
+        stresses = np.unique(np.concatenate([tangent_stresses, *SECANT_STRESS_RANGES]))
         closure, curve = compute_closure(read_gap(directory, name), stresses)
         for tangent_stress in tangent_stresses:
             computed = 1e6 * np.interp(tangent_stress, stresses, curve.closure_stiffness)
             measured = np.interp(tangent_stress, mean_stress, measured_tangent)
             rows.setdefault(f"tangent at {tangent_stress:.2g} MPa", []).append((computed, measured))
-        for stress_range in SECANT_RANGES:
+        for stress_range in SECANT_STRESS_RANGES:
             computed, measured = (
                 secant_stiffness(*curve_points, stress_range)
                 for curve_points in ((closure, stresses), (displacement, stress))
@@ -136,7 +136,7 @@ def estimate_spectrum(gap):
     )  # corrects the bias of the mean of the logarithm
 
 
-def random_roughness_heights(shape, spacing, density, longest, seed):
+def generate_random_heights(shape, spacing, density, longest, seed):
     """Return random heights (µm) that have a given spectral density at wavelengths below `longest` (µm)."""
     wave_number = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n, spacing) for n in shape), indexing="ij"))
     wave_number[0, 0] = np.inf
@@ -151,7 +151,7 @@ def refine_gap(gap, factor, seed=1):
     spacing = gap.spacing[0] / factor
     smooth_heights = zoom(gap.heights, factor, order=1)
     return Surface(
-        smooth_heights + random_roughness_heights(smooth_heights.shape, spacing, density, 2 * gap.spacing[0], seed),
+        smooth_heights + generate_random_heights(smooth_heights.shape, spacing, density, 2 * gap.spacing[0], seed),
         spacing=spacing,
     )
 
@@ -159,7 +159,7 @@ def refine_gap(gap, factor, seed=1):
 def shift_gap(gap, displacement, seed=1):
     """Return the gap after a shift of one surface along x. This surface is random, with the spectrum of the gap."""
     _, density = estimate_spectrum(gap)
-    displaced_face = random_roughness_heights(gap.heights.shape, gap.spacing[0], density, FIT_WAVELENGTH_RANGE[1], seed)
+    displaced_face = generate_random_heights(gap.heights.shape, gap.spacing[0], density, FIT_WAVELENGTH_RANGE[1], seed)
     return Surface(
         gap.heights + displacement * np.gradient(displaced_face, gap.spacing[0], axis=1), spacing=gap.spacing
     )

@@ -22,7 +22,7 @@ CURVE_STYLES = {
 }
 
 
-def gap_gradients(dimensions: np.ndarray) -> np.ndarray:
+def compute_gap_gradients(dimensions: np.ndarray) -> np.ndarray:
     """Return the rms gradient of the gap between two maps of the study for each D, from the exact slopes of Eq. 1."""
     values = []
     for dimension in dimensions:
@@ -102,7 +102,7 @@ def main() -> None:
                     axes[3], result, result.evaluate_at("friction", result.middle_load, tau0=TAU0), name, is_hollow=True
                 )
         del dataset
-    slopes = gap_gradients(result.dimensions)
+    slopes = compute_gap_gradients(result.dimensions)
     for ax, tau0 in ((axes[1], 0.0), (axes[3], TAU0)):
         ax.plot(
             result.dimensions, gentle_friction(MU0, tau0, rms_gradient=slopes, order=2), color="0.1", lw=1, ls="--",

@@ -27,7 +27,7 @@ RELATIVE_PRESSURES = (0.002, 0.02, 0.1)
 HURST_EXPONENTS = (0.5, 0.8)
 PAIR_COUNTS = {("lines", 8): 24, ("lines", 32): 24, ("lines", 128): 16, ("surfaces", 8): 12, ("surfaces", 32): 6}
 """Number of pairs by kind of surface and bandwidth, which is the ratio of the longest to the shortest wavelength."""
-NUM_LONGEST_WAVELENGTHS = {"lines": 4, "surfaces": 2}
+LONGEST_WAVELENGTHS_PER_SIDE = {"lines": 4, "surfaces": 2}
 """Side length of a surface, as a multiple of the longest wavelength."""
 POINTS_PER_SHORTEST_WAVELENGTH = {"lines": 16, "surfaces": 8}
 """Number of grid points per shortest wavelength."""
@@ -46,11 +46,11 @@ COLUMN_NAMES = [
 
 def create_body(kind: str, hurst: float, bandwidth: int, repetition: int, side: str) -> Profile | Surface:
     """Return one surface of a pair, periodic on unit length, with the rms slope `RMS_SLOPE`."""
-    n = NUM_LONGEST_WAVELENGTHS[kind] * bandwidth * POINTS_PER_SHORTEST_WAVELENGTH[kind]
+    n = LONGEST_WAVELENGTHS_PER_SIDE[kind] * bandwidth * POINTS_PER_SHORTEST_WAVELENGTH[kind]
     options = {"hurst_exponent": hurst, "repetition": repetition, "side": side, "rms": 1.0, "spacing": 1 / n}
     options |= {
-        "longest_wavelength": 1 / NUM_LONGEST_WAVELENGTHS[kind],
-        "shortest_wavelength": 1 / (NUM_LONGEST_WAVELENGTHS[kind] * bandwidth),
+        "longest_wavelength": 1 / LONGEST_WAVELENGTHS_PER_SIDE[kind],
+        "shortest_wavelength": 1 / (LONGEST_WAVELENGTHS_PER_SIDE[kind] * bandwidth),
     }
     surface = (
         self_affine(SEED, points=n, periodic=True, **options)
@@ -164,7 +164,7 @@ def draw_figure(results: dict) -> None:
     ]
     axes = figure.subplots(len(rows), 2, sharex=True, sharey="row")
     for (column, label), axes_pair in zip(rows, axes, strict=True):
-        for kind, ax in zip(NUM_LONGEST_WAVELENGTHS, axes_pair, strict=True):
+        for kind, ax in zip(LONGEST_WAVELENGTHS_PER_SIDE, axes_pair, strict=True):
             for k, ((body_kind, bandwidth), hurst) in enumerate(
                 (case, h) for case in PAIR_COUNTS if case[0] == kind for h in HURST_EXPONENTS
             ):
@@ -179,7 +179,7 @@ def draw_figure(results: dict) -> None:
             ax.xaxis.minorticks_off()
             ax.tick_params(labelsize=7)
         axes_pair[0].set_ylabel(label, fontsize=8)
-    for kind, ax in zip(NUM_LONGEST_WAVELENGTHS, axes[0], strict=True):
+    for kind, ax in zip(LONGEST_WAVELENGTHS_PER_SIDE, axes[0], strict=True):
         ax.set_title(
             {"lines": "profiles: line contacts", "surfaces": "height maps: elliptical contacts"}[kind], fontsize=9
         )

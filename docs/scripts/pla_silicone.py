@@ -28,7 +28,7 @@ IMAGE_FILE = Path(__file__).resolve().parents[1] / "images/pla_silicone.png"
 TABLE_LOADS = (10, 20, 30, 50, 100, 150, 200, 300, 400, 500, 600, 700)
 MIN_FITTED_LOAD = 50.0  # lowest load (mN) that both fits include
 MAX_LOAD = 700.0  # load (mN) above which values jump, as if the measuring range had changed
-COMMON_RELATIVE_ERROR = 0.02  # relative standard error of the force cell
+FORCE_CELL_RELATIVE_ERROR = 0.02  # relative standard error of the force cell
 
 
 def fit_laws(load, coefficient, standard_error):
@@ -59,7 +59,7 @@ def main(tests_file):
                 load, coefficient, standard_deviation, fmt=".", color=colour, markersize=3, linewidth=0.5
             )
             standard_error = np.hypot(
-                standard_deviation / np.sqrt(tests["cycles"].to_numpy()), COMMON_RELATIVE_ERROR * coefficient
+                standard_deviation / np.sqrt(tests["cycles"].to_numpy()), FORCE_CELL_RELATIVE_ERROR * coefficient
             )
             is_fitted = load >= MIN_FITTED_LOAD
             flat_law, flat_residuals, rough_law, rough_residuals = fit_laws(

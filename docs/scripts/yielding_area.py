@@ -50,11 +50,14 @@ MAX_COMPARED_FRACTION = 0.42
 """Largest A/A0 for which areas are included in summaries."""
 ONSET_OF_YIELD = 0.5
 """Mean pressure divided by hardness above which yielding below the surface adds area."""
-POWERS = (2.0, 2.25, 2.5)
-EXPONENTS_FROM_ONSET = (0.7, 1.0, 1.15, 1.25, 1.6)
+YIELD_EXPONENTS_WITHOUT_ONSET = (2.0, 2.25, 2.5)
+YIELD_EXPONENTS_WITH_ONSET = (0.7, 1.0, 1.15, 1.25, 1.6)
 """Exponents m: the limits and the centre of the default range of `pair`, and two values in between."""
-USED_FORM = "m = 1.15"
-FORM_TITLES = {"pressure cap": "pressure cap", USED_FORM: f"from the onset of yield, {USED_FORM}"}
+USED_AREA_FORM_TITLE = "m = 1.15"
+AREA_FORM_TITLES = {
+    "pressure cap": "pressure cap",
+    USED_AREA_FORM_TITLE: f"from the onset of yield, {USED_AREA_FORM_TITLE}",
+}
 SEED = 2016
 CCX = shutil.which("ccx")
 
@@ -453,12 +456,12 @@ def solve_half_space(case: FiniteElementCase, loads: np.ndarray) -> HalfSpaceAre
     return HalfSpaceAreas(curve.contact_area / num_images, capped_curve.contact_area / num_images, patches)
 
 
-def combine_by_power(elastic: np.ndarray, plastic: np.ndarray, exponent: float) -> np.ndarray:
+def combine_areas_by_power(elastic: np.ndarray, plastic: np.ndarray, exponent: float) -> np.ndarray:
     """Return (A_el^m + (F/H)^m)^(1/m), whose limits are the elastic area A_el and the plastic area F/H."""
     return (elastic**exponent + plastic**exponent) ** (1 / exponent)
 
 
-def combine_from_onset(elastic: np.ndarray, plastic: np.ndarray, exponent: float) -> np.ndarray:
+def combine_areas_from_onset(elastic: np.ndarray, plastic: np.ndarray, exponent: float) -> np.ndarray:
     """Return the elastic area below the onset of yielding, and the area by `yielded_area` above the onset."""
     return yielded_area(elastic, plastic, 1.0, exponent)
 
@@ -488,11 +491,17 @@ def compare_case(name: str, result: dict[str, list[float]]) -> list[AreaComparis
         forces, patch_areas = half_space_areas.patches[k]
         areas_by_model = {
             "pressure cap": half_space_areas.capped[k],
-            **{f"n = {n:g}": combine_by_power(elastic_area, plastic_area, n) for n in POWERS},
-            "n = 2.25, per patch": combine_by_power(patch_areas, forces / case.hardness, 2.25).sum(),
-            **{f"m = {m:g}": combine_from_onset(elastic_area, plastic_area, m) for m in EXPONENTS_FROM_ONSET},
             **{
-                f"m = {m:g}, per patch": combine_from_onset(patch_areas, forces / case.hardness, m).sum()
+                f"n = {n:g}": combine_areas_by_power(elastic_area, plastic_area, n)
+                for n in YIELD_EXPONENTS_WITHOUT_ONSET
+            },
+            "n = 2.25, per patch": combine_areas_by_power(patch_areas, forces / case.hardness, 2.25).sum(),
+            **{
+                f"m = {m:g}": combine_areas_from_onset(elastic_area, plastic_area, m)
+                for m in YIELD_EXPONENTS_WITH_ONSET
+            },
+            **{
+                f"m = {m:g}, per patch": combine_areas_from_onset(patch_areas, forces / case.hardness, m).sum()
                 for m in (1.15, 1.25)
             },
         }
@@ -660,8 +669,8 @@ def format_summary(points: list[AreaComparison]) -> list[str]:
 def format_published_fits() -> list[str]:
     rows = ["| fit | form | lowest | highest |", "|---|---|---|---|"]
     for name, (pressure_ratios, area_ratios) in published_ball_fits().items():
-        forms = {f"n = {n:g}": combine_by_power(1.0, pressure_ratios, n) for n in (2, 2.25)}
-        forms |= {f"m = {m:g}": combine_from_onset(1.0, pressure_ratios, m) for m in EXPONENTS_FROM_ONSET}
+        forms = {f"n = {n:g}": combine_areas_by_power(1.0, pressure_ratios, n) for n in (2, 2.25)}
+        forms |= {f"m = {m:g}": combine_areas_from_onset(1.0, pressure_ratios, m) for m in YIELD_EXPONENTS_WITH_ONSET}
         for form, areas in forms.items():
             ratios = areas / area_ratios
             rows.append(f"| {name} | {form} | {ratios.min():.2f} | {ratios.max():.2f} |")
@@ -686,7 +695,7 @@ def format_convergence(results: dict[str, dict[str, list[float]]]) -> list[str]:
     return rows
 
 
-def format_opposing(rows: dict[str, list[list[float]]]) -> list[str]:
+def format_opposing_sums(rows: dict[str, list[list[float]]]) -> list[str]:
     lines = [
         "| surfaces | x | results | elastic sum | μ_s, scaled − capped, mean of ±x | the same along +x, rms |",
         "|---|---|---|---|---|---|",
@@ -723,7 +732,7 @@ def draw_figure(points: list[AreaComparison]) -> None:
         ("steep profile", "profiles, rms slope above 0.1"): ("#0072B2", "white"),
         ("ball", "ball"): ("#D55E00", "#D55E00"),
     }  # Okabe & Ito
-    for ax, form in zip(axes, ("pressure cap", USED_FORM), strict=True):
+    for ax, form in zip(axes, ("pressure cap", USED_AREA_FORM_TITLE), strict=True):
         for (kind, label), (colour, fill_colour) in groups.items():
             selected_points = [point for point in points if classify_case(point.case) == kind]
             ax.plot(
@@ -737,7 +746,7 @@ def draw_figure(points: list[AreaComparison]) -> None:
         ax.xaxis.minorticks_off()
         ax.tick_params(labelsize=7)
         ax.set_xlabel(r"$x = F\,/\,(A_\mathrm{el}\,H)$", fontsize=9)
-        ax.set_title(FORM_TITLES[form], fontsize=9)
+        ax.set_title(AREA_FORM_TITLES[form], fontsize=9)
     axes[0].set_ylabel("area / area by finite elements", fontsize=9)
     axes[0].legend(fontsize=7.5, frameon=False)
     figure.savefig(DOCS_DIRECTORY / "images/yielding_area.png")
@@ -782,7 +791,7 @@ def main(directory: Path) -> None:
         "\nFriction at opposing contacts: elastic solution scaled to the area of the pressure cap, divided by the "
         "solution with the pressure cap (mean ± standard deviation over pairs and loads; μ0 = 0.2, τ0 = 5 % of the "
         "hardness).\n",
-        *format_opposing(opposing_rows_by_kind),
+        *format_opposing_sums(opposing_rows_by_kind),
         "",
     ]
     (DOCS_DIRECTORY / "generated/yielding_area.md").write_text("\n".join(text), encoding="utf-8")

@@ -24,12 +24,12 @@ from tamaas.nonlinear_solvers import DFSANECXXSolver
 from yielding_area import (
     BALL_HARDNESS_FACTOR,
     EFFECTIVE_MODULUS,
-    EXPONENTS_FROM_ONSET,
     MAX_RMS_SLOPE,
     ONSET_OF_YIELD,
     POISSON_RATIO,
-    combine_by_power,
-    combine_from_onset,
+    YIELD_EXPONENTS_WITH_ONSET,
+    combine_areas_by_power,
+    combine_areas_from_onset,
 )  # fmt: skip
 
 DOCS_DIRECTORY = Path(__file__).parents[1]
@@ -44,7 +44,7 @@ AREA_FRACTION_RANGE = (0.02, 0.4)
 """Smallest and largest area fraction A/A0 for which areas are included in the fit of an exponent."""
 MIN_NUM_LOADS = 3
 """Minimum number of loads that the fit of an exponent requires."""
-EXPONENTS = np.geomspace(0.3, 8.0, 800)
+TRIAL_EXPONENTS = np.geomspace(0.3, 8.0, 800)
 
 
 # ---- Cases ----------------------------------------------------------------------------------------------------------
@@ -92,7 +92,7 @@ class RoughMap:
         pressures = np.geomspace(0.005, 0.5, 16) * EFFECTIVE_MODULUS * self.rms_slope
         pressures = pressures[pressures < self.hardness]
         elastic, _, _ = solve_half_space(self, pressures, num_points=128)
-        areas = combine_from_onset(elastic, pressures / self.hardness, 1.25)
+        areas = combine_areas_from_onset(elastic, pressures / self.hardness, 1.25)
         return np.exp(np.interp(np.log(self.area_fractions), np.log(areas), np.log(pressures)))
 
 
@@ -195,7 +195,7 @@ def solve_half_space(
 
 
 @dataclass(frozen=True)
-class CaseAreas:
+class AreasOfOneCase:
     """Areas of a case over the load (elastic, F/H, true, and with limited pressure), and numbers of contact patches."""
 
     elastic: np.ndarray
@@ -204,8 +204,8 @@ class CaseAreas:
     capped: np.ndarray
     num_patches: np.ndarray
 
-    def select(self, is_selected: np.ndarray) -> "CaseAreas":
-        return CaseAreas(*(values[is_selected] for values in vars(self).values()))
+    def select(self, is_selected: np.ndarray) -> "AreasOfOneCase":
+        return AreasOfOneCase(*(values[is_selected] for values in vars(self).values()))
 
     @property
     def pressure_ratio(self) -> np.ndarray:
@@ -217,11 +217,13 @@ class CaseAreas:
 
     def fit_exponent(self) -> float:
         """Return the exponent m with the smallest mean squared deviation of the closed form."""
-        mean_squared_deviations = [float(np.mean(self.deviations(combine_from_onset, m) ** 2)) for m in EXPONENTS]
-        return float(EXPONENTS[int(np.argmin(mean_squared_deviations))])
+        mean_squared_deviations = [
+            float(np.mean(self.deviations(combine_areas_from_onset, m) ** 2)) for m in TRIAL_EXPONENTS
+        ]
+        return float(TRIAL_EXPONENTS[int(np.argmin(mean_squared_deviations))])
 
 
-def find_map_areas(case: RoughMap | PeriodicBall, result: dict[str, list[float]]) -> CaseAreas:
+def find_map_areas(case: RoughMap | PeriodicBall, result: dict[str, list[float]]) -> AreasOfOneCase:
     """Return the areas of a map divided by A0.
 
     True areas are corrected for the error of the elastic area on the grid.
@@ -232,11 +234,11 @@ def find_map_areas(case: RoughMap | PeriodicBall, result: dict[str, list[float]]
     elastic_areas, capped_areas, num_patches = solve_half_space(case, pressures)
     if isinstance(case, RoughMap):
         true_areas = true_areas * elastic_areas / elastic_areas_on_grid
-    areas = CaseAreas(elastic_areas, pressures / case.hardness, true_areas, capped_areas, num_patches)
+    areas = AreasOfOneCase(elastic_areas, pressures / case.hardness, true_areas, capped_areas, num_patches)
     return areas if isinstance(case, RoughMap) else areas.select(true_areas * case.num_points**2 >= MIN_NUM_POINTS)
 
 
-def find_finite_element_areas(case: yielding_area.FiniteElementCase, result: dict[str, list[float]]) -> CaseAreas:
+def find_finite_element_areas(case: yielding_area.FiniteElementCase, result: dict[str, list[float]]) -> AreasOfOneCase:
     """Return the areas of a case of yielding_area.py at all loads at which it yields and its area is moderate."""
     loads, true_areas = (np.array(result[key]) for key in ("load", "area_edges"))
     min_fraction, max_fraction = AREA_FRACTION_RANGE
@@ -247,20 +249,22 @@ def find_finite_element_areas(case: yielding_area.FiniteElementCase, result: dic
     loads, true_areas = loads[is_selected], true_areas[is_selected]
     half_space_areas = yielding_area.solve_half_space(case, loads)
     num_patches = np.array([len(forces) for forces, _ in half_space_areas.patches])
-    areas = CaseAreas(half_space_areas.elastic, loads / case.hardness, true_areas, half_space_areas.capped, num_patches)
+    areas = AreasOfOneCase(
+        half_space_areas.elastic, loads / case.hardness, true_areas, half_space_areas.capped, num_patches
+    )
     return areas.select(areas.pressure_ratio > ONSET_OF_YIELD)
 
 
 # ---- Tables ---------------------------------------------------------------------------------------------------------
 
 
-def format_loads(areas: dict[str, CaseAreas]) -> list[str]:
+def format_loads(areas: dict[str, AreasOfOneCase]) -> list[str]:
     titles = ["case", "x", "A/A0", "patches", "A/A_el", "pressure cap", "n = 2", "n = 2.25"]
-    titles += [f"m = {m:g}" for m in EXPONENTS_FROM_ONSET]
+    titles += [f"m = {m:g}" for m in YIELD_EXPONENTS_WITH_ONSET]
     rows = [f"| {' | '.join(titles)} |", "|" + "---|" * len(titles)]
     for name, case_areas in areas.items():
-        area_ratios = [np.exp(case_areas.deviations(combine_by_power, n)) for n in (2, 2.25)]
-        area_ratios += [np.exp(case_areas.deviations(combine_from_onset, m)) for m in EXPONENTS_FROM_ONSET]
+        area_ratios = [np.exp(case_areas.deviations(combine_areas_by_power, n)) for n in (2, 2.25)]
+        area_ratios += [np.exp(case_areas.deviations(combine_areas_from_onset, m)) for m in YIELD_EXPONENTS_WITH_ONSET]
         for k, true in enumerate(case_areas.true):
             capped = case_areas.capped[k] / true
             ratios = [
@@ -274,15 +278,15 @@ def format_loads(areas: dict[str, CaseAreas]) -> list[str]:
     return rows
 
 
-def format_exponents(areas: dict[str, CaseAreas]) -> list[str]:
+def format_exponents(areas: dict[str, AreasOfOneCase]) -> list[str]:
     rows = [
         "| case | loads | x | m | rms deviation at this m | mean, m = 1.15 | lowest | highest |",
         "|---|---|---|---|---|---|---|---|",
     ]
     for name, case_areas in areas.items():
         exponent = case_areas.fit_exponent()
-        rms_deviation = math.sqrt(float(np.mean(case_areas.deviations(combine_from_onset, exponent) ** 2)))
-        ratios = np.exp(case_areas.deviations(combine_from_onset, 1.15))
+        rms_deviation = math.sqrt(float(np.mean(case_areas.deviations(combine_areas_from_onset, exponent) ** 2)))
+        ratios = np.exp(case_areas.deviations(combine_areas_from_onset, 1.15))
         x = case_areas.pressure_ratio
         rows.append(
             f"| {name} | {x.size} | {x.min():.2f} to {x.max():.2f} | {exponent:.2f} | {rms_deviation:.1%} "
@@ -291,7 +295,7 @@ def format_exponents(areas: dict[str, CaseAreas]) -> list[str]:
     return rows
 
 
-def format_summary(groups: dict[str, dict[str, CaseAreas]]) -> list[str]:
+def format_summary(groups: dict[str, dict[str, AreasOfOneCase]]) -> list[str]:
     rows = [
         "| cases | number | mean m | standard deviation | lowest | highest | within 1 to 1.5 | within 0.7 to 1.6 |",
         "|---|---|---|---|---|---|---|---|",
@@ -309,7 +313,7 @@ def format_summary(groups: dict[str, dict[str, CaseAreas]]) -> list[str]:
     return rows
 
 
-def format_depth(results: dict[str, dict[str, list[float]]]) -> list[str]:
+def format_layer_depth_comparison(results: dict[str, dict[str, list[float]]]) -> list[str]:
     rows = ["| case | A/A0 | A/A0 with more and deeper layers |", "|---|---|---|"]
     name = "map 4"
     areas, deeper_areas = (results[key]["area"] for key in (name, f"{name}, deeper"))
@@ -359,7 +363,7 @@ def main(directory: Path, finite_elements: Path) -> None:
             }
         ),
         "\nA/A0 of a map with 14 layers in a depth of 0.35, and with 24 layers in a depth of 0.5.\n",
-        *format_depth(results),
+        *format_layer_depth_comparison(results),
         "",
     ]
     (DOCS_DIRECTORY / "generated/yielding_exponent.md").write_text("\n".join(text), encoding="utf-8")

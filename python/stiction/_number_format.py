@@ -21,7 +21,7 @@ _PREFIXED_UNITS = {
 }
 """Prefixed units for each core unit: smallest number that is printed in the unit, factor to the core unit, and name."""
 
-_NO_PREFIXES = ((0.0, 1.0, ""),)
+_UNPREFIXED_UNITS = ((0.0, 1.0, ""),)
 
 
 # Lower and upper limit of the numbers that are always printed without an exponent.
@@ -92,13 +92,13 @@ def list_number_formats(kind: str) -> tuple[NumberFormat, ...]:
         return _PERCENT_FORMATS
     if kind in ("digits", "digit"):
         return (NumberFormat(0.0, 1.0, "{}", 2 if kind == "digits" else 1),)
-    units = _PREFIXED_UNITS.get(kind, _NO_PREFIXES)
+    units = _PREFIXED_UNITS.get(kind, _UNPREFIXED_UNITS)
     return tuple(NumberFormat(minimum, factor, f"{{}} {name}".strip(), 3) for minimum, factor, name in units)
 
 
 def format_number(value: float, kind: str) -> str:
     """Format a number of a kind such as "percent", in the format for its size; see `list_number_formats`."""
-    return _choose_by_size(value, list_number_formats(kind)).format(value)
+    return _choose_item_by_size(value, list_number_formats(kind)).format(value)
 
 
 def format_with_unit(value: float, unit: str) -> str:
@@ -121,11 +121,11 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
     unit : str
         Core unit, or "%" for a fraction. For a unit without prefixes, such as "1", the returned name is empty.
     """
-    _, factor, name = _choose_by_size(value, _PREFIXED_UNITS.get(unit, _NO_PREFIXES))
+    _, factor, name = _choose_item_by_size(value, _PREFIXED_UNITS.get(unit, _UNPREFIXED_UNITS))
     return factor, name
 
 
-def _choose_by_size(value: float, items: Sequence[_Item]) -> _Item:
+def _choose_item_by_size(value: float, items: Sequence[_Item]) -> _Item:
     """Return the first item whose minimum `item[0]` the absolute value of a number reaches; use 1 for 0 and NaN."""
     size = 1.0 if value == 0 or math.isnan(value) else abs(value)
     return next(item for item in items if size >= MIN_NUMBER_ROUNDED_TO_ONE * item[0])

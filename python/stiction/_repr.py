@@ -25,7 +25,7 @@ MAX_ONE_COLUMN_WIDTH = 4.0
 # Level 4 of zlib takes half the time of level 6, and makes images of maps 10 % larger.
 PNG_COMPRESSION = 4
 
-_SMALLER_UNITS = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")}
+_NEXT_SMALLER_UNITS = {"µm": (1e-3, "nm"), "GPa": (1e-3, "MPa"), "mN": (1e-3, "µN")}
 """Next smaller unit of each unit, with the conversion factor. It is used for numbers below 0.1."""
 
 
@@ -71,8 +71,8 @@ def format_number_and_unit(value: float, unit: str) -> tuple[str, str]:
 
     A nonzero number below 0.1 µm, 0.1 GPa or 0.1 mN is converted to nm, MPa or µN.
     """
-    if unit in _SMALLER_UNITS and 0 < abs(value) < 0.1:
-        factor, unit = _SMALLER_UNITS[unit]
+    if unit in _NEXT_SMALLER_UNITS and 0 < abs(value) < 0.1:
+        factor, unit = _NEXT_SMALLER_UNITS[unit]
         value = value / factor
     if isinstance(value, float) and math.isnan(value):
         return "none", ""
@@ -155,11 +155,11 @@ def plot_html(draw: Callable[[Axes], object]) -> str:
 def figure_html(figure: Any) -> str:
     """Return a Matplotlib figure as an inline image in HTML, with a description for screen readers."""
     encoded = base64.b64encode(render_png(figure)).decode("ascii")
-    description = html.escape(describe_axes(figure))
+    description = html.escape(describe_figure_axes(figure))
     return f'<img alt="{description}" style="max-width:100%" src="data:image/png;base64,{encoded}"/>'
 
 
-def describe_axes(figure: Any) -> str:
+def describe_figure_axes(figure: Any) -> str:
     """Return a description of a Matplotlib figure: the labels of its axes without mathematical markup."""
     labels = [(ax.get_ylabel(), ax.get_xlabel()) for ax in figure.axes]
     plots = "; ".join(f"{y} against {x}" for y, x in labels if y and x)

@@ -55,7 +55,7 @@ LinePrintFunction = Callable[[str], Any]
 # Computing time (s) above which an estimate of the time is always printed.
 MIN_ANNOUNCED_TIME = 20.0
 
-_COMPANION_FILES = {
+_COMPANION_FILE_SIGNATURES = {
     CONTACT_PICTURE_FILE: CHECKSUM_PREFIX,
     AREAS_BY_HARDNESS_FILE: CHECKSUM_PREFIX,
     ONSET_FILE: CHECKSUM_PREFIX,
@@ -135,7 +135,7 @@ def complete_result(
     remarks, and `announce` receives lines about work that is about to start. `show_result` receives the result as soon
     as all blocks are complete.
     """
-    for name, signature in (_COMPANION_FILES if study.is_measured and part is None else {}).items():
+    for name, signature in (_COMPANION_FILE_SIGNATURES if study.is_measured and part is None else {}).items():
         check_replaceable(directory / name, signature, StoreError)
     existing_result = open_result_to_complete(directory)
     with DirectoryClaim(directory) as claim:

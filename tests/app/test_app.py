@@ -31,7 +31,7 @@ from stiction import (
 from stiction._estimate import Estimate
 from stiction._number_format import format_with_unit
 from stiction.app.form import replace_option_names
-from stiction.app.run import SERVER_IDLE_TIMEOUT, is_abandoned
+from stiction.app.run import SERVER_IDLE_TIMEOUT, is_server_abandoned
 from stiction.app.server import ALLOWED_OPTIONS_BY_COMMAND
 from stiction.cli import result_output
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
@@ -767,9 +767,11 @@ def test_app_has_no_accessibility_violations(empty_page, map_files):
 
 def test_server_is_treated_as_abandoned_only_if_a_browser_window_has_been_open():
     window = SimpleNamespace(last_request_time=100.0, has_window=True)
-    assert not is_abandoned(window, 100.0 + SERVER_IDLE_TIMEOUT)
-    assert is_abandoned(window, 100.5 + SERVER_IDLE_TIMEOUT)
-    assert not is_abandoned(SimpleNamespace(last_request_time=100.0, has_window=False), 100.5 + SERVER_IDLE_TIMEOUT)
+    assert not is_server_abandoned(window, 100.0 + SERVER_IDLE_TIMEOUT)
+    assert is_server_abandoned(window, 100.5 + SERVER_IDLE_TIMEOUT)
+    assert not is_server_abandoned(
+        SimpleNamespace(last_request_time=100.0, has_window=False), 100.5 + SERVER_IDLE_TIMEOUT
+    )
 
 
 def test_server_stops_after_its_last_window_is_closed(tmp_path, tmp_path_factory):

@@ -741,7 +741,7 @@ def model_check_output(scans_directory):
 
 
 @pytest.fixture(scope="module")
-def map_pair_output(scans_directory):
+def output_for_pair_of_maps(scans_directory):
     """Output of `pair` on two maps with the asperity model."""
     completed = check_stiction(
         "pair",
@@ -762,7 +762,7 @@ def map_pair_output(scans_directory):
 
 
 def test_pair_command_writes_result_and_figures_and_report_and_model_check(
-    scans_directory, model_check_output, map_pair_output
+    scans_directory, model_check_output, output_for_pair_of_maps
 ):
     for directory in ("pair", "pair/half-space", "areas"):
         stored_dataset = store.read(scans_directory / directory)
@@ -776,11 +776,13 @@ def test_pair_command_writes_result_and_figures_and_report_and_model_check(
     command = ["pair", *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--offsets", 4, "--check", "--json"]
     command = call_stiction(*command, cwd=scans_directory, without_figures=True, without_report=True)
     assert json.loads(command.stdout)["check"][0]["values"]
-    assert "wrote" in map_pair_output.stdout
+    assert "wrote" in output_for_pair_of_maps.stdout
 
 
 @pytest.mark.usefixtures("disable_figures", "no_reports")
-def test_pair_command_resumes_with_the_same_options_and_rejects_different_options(scans_directory, map_pair_output):
+def test_pair_command_resumes_with_the_same_options_and_rejects_different_options(
+    scans_directory, output_for_pair_of_maps
+):
     command = [
         "pair",
         *MAP_ARGUMENTS,

@@ -6,7 +6,7 @@ from reference.jackknife import interval_at_load
 from reference.neighbours import coverage_and_width, estimate_true_mean, simulate_correlated_positions
 from stiction import _core
 from stiction.evaluate.intervals import (
-    MIN_NEIGHBOURING_VALUES,
+    MIN_NEIGHBOURING_POSITIONS,
     MeansAtLoads,
     average_correlated_values,
     average_independent_values,
@@ -108,13 +108,13 @@ def test_interval_of_the_mean_of_uncorrelated_neighbouring_values_is_a_student_t
 def test_interval_of_the_mean_of_correlated_values_lies_within_the_range_of_the_values():
     random = np.random.default_rng(6)
     for distribution in ("half zeros", "bounded", "lognormal 1"):
-        for values in simulate_correlated_positions(distribution, 50, MIN_NEIGHBOURING_VALUES, 0.6, random):
+        for values in simulate_correlated_positions(distribution, 50, MIN_NEIGHBOURING_POSITIONS, 0.6, random):
             mean, lower, upper = average_correlated_values(values)
             assert np.isnan(lower) or values.min() <= lower < mean < upper <= values.max()
 
 
 def test_mean_of_too_few_or_identical_neighbouring_values_has_no_interval():
-    assert np.isnan(average_correlated_values(np.arange(MIN_NEIGHBOURING_VALUES - 1.0))[1:]).all()
+    assert np.isnan(average_correlated_values(np.arange(MIN_NEIGHBOURING_POSITIONS - 1.0))[1:]).all()
     mean, lower, upper = average_correlated_values(np.zeros(16))
     assert mean == 0
     assert np.isnan([lower, upper]).all()

@@ -142,7 +142,7 @@ def test_interface_stronger_than_the_bulk_gives_the_status_seizure():
     assert result.assessment == "Do not quote"
 
 
-def with_sums(result, **sum_ratios):
+def replace_sums_by_load_multiples(result, **sum_ratios):
     """Return a result whose sums are given multiples of the elastic load in all directions."""
     dataset = result.dataset.copy(deep=True)
     for name, ratio in sum_ratios.items():
@@ -167,7 +167,9 @@ def test_adhesive_part_of_the_normal_load_grows_with_the_contact_area(growth_res
     assert growth > 1.1
     # Adhesion contributes -10 % of the normal load before the contacts grow.
     ratio = -0.1 / (area_ratio * INTERFACE_STRENGTH["tau0"])
-    values = with_sums(growth_result, normal_adhesive=ratio, normal_frictional=0.0).at(per_member=True)
+    values = replace_sums_by_load_multiples(growth_result, normal_adhesive=ratio, normal_frictional=0.0).at(
+        per_member=True
+    )
     load = float(values["load"].squeeze())
     np.testing.assert_allclose(values["normal_load"], load * (1 - 0.1 * growth), rtol=1e-9)
     assert (values["status"] == "ok").all()
@@ -177,7 +179,7 @@ def test_pair_that_loses_its_normal_load_as_contacts_grow_is_self_locked(growth_
     area_ratio, growth = find_area_ratios(growth_result)
     # After the contacts have grown, the normal load is negative.
     ratio = -1 / (area_ratio * INTERFACE_STRENGTH["tau0"] * math.sqrt(growth))
-    result = with_sums(growth_result, normal_adhesive=ratio, normal_frictional=0.0)
+    result = replace_sums_by_load_multiples(growth_result, normal_adhesive=ratio, normal_frictional=0.0)
     values = result.at(per_member=True)
     assert (values["normal_load"] < 0).all()
     assert (values["status"] == "self-locked").all()
@@ -325,7 +327,7 @@ def test_coefficient_is_a_lower_limit_if_the_interface_is_stronger_than_the_soft
 def test_shear_of_the_softer_body_limits_the_contribution_of_mu0_to_the_normal_load():
     result = pair(*rough_surfaces(), **PLASTIC_OPTIONS, mu0=0.6)
     sum_ratios = {"normal_frictional": -0.5, "tangential_frictional": 1.0, "tangential_elastic": 0.0}
-    values = with_sums(result, **sum_ratios).at(per_member=True)
+    values = replace_sums_by_load_multiples(result, **sum_ratios).at(per_member=True)
     load = float(values["load"].squeeze())
     limited_mu0 = values["tangential_load"] / load
     assert (values["status"] == "bulk-shear").all()
@@ -338,7 +340,7 @@ def test_shear_of_the_softer_body_limits_the_contribution_of_tau0_to_the_normal_
     area_ratio, growth = find_area_ratios(result)
     sum_ratios = {"normal_adhesive": -0.1 / (area_ratio * 0.11), "normal_frictional": 0.0, "tangential_adhesive": 0.0}
     sum_ratios |= {"tangential_frictional": 1.0, "tangential_elastic": 0.0}
-    values = with_sums(result, **sum_ratios).at(per_member=True)
+    values = replace_sums_by_load_multiples(result, **sum_ratios).at(per_member=True)
     load = float(values["load"].squeeze())
     friction_fraction = values["tangential_load"] / (0.2 * load)
     assert (friction_fraction < 0.99).all()

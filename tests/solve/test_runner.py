@@ -290,7 +290,7 @@ def test_run_stops_at_every_error_except_a_load_without_solution(tmp_path, monke
         compute_member_arrays(study, 0)
 
 
-class PartialFileAgeingExecutor(Executor):
+class ExecutorThatAgesPartialFiles(Executor):
     """Executor that makes all partial files old before each task, and waits until the files are refreshed."""
 
     def __init__(self, directory, wait_until_recent):
@@ -319,7 +319,7 @@ def test_run_refreshes_its_claim_files_in_the_result_directory_while_it_computes
             time.sleep(0.01)
         return False
 
-    executor = PartialFileAgeingExecutor(tmp_path, wait_until_recent)
+    executor = ExecutorThatAgesPartialFiles(tmp_path, wait_until_recent)
     run(with_repetitions(2), store=tmp_path / "result", executor=executor)
     # The first task only tests whether the directory is accessible. Each task finds two claims, one on the directory
     # and one on its blocks.

@@ -151,7 +151,7 @@ def test_encoding_a_block_waits_until_another_thread_has_imported_the_packages()
     """Check the lock, because an import of xarray in two threads at the same time fails now and then."""
     arrays = {name: np.ones(spec.shape, spec.dtype) for name, spec in layout.variable_specs(TINY_STUDY, [0]).items()}
     with ThreadPoolExecutor(1) as pool:
-        with store._import_lock:
+        with store._dataset_package_import_lock:
             block = pool.submit(store.encode_members, TINY_STUDY, [0], arrays)
             with pytest.raises(TimeoutError):
                 block.result(timeout=0.2)
@@ -473,18 +473,18 @@ def make_attribute_setter(name, value):
     return set_attribute
 
 
-def link_to_other_file(file):
+def replace_by_link_to_other_file(file):
     del file["contact_area"]
     file["contact_area"] = h5py.ExternalLink("other.nc", "contact_area")
 
 
-def use_bytes_of_other_file(file):
+def read_variable_from_bytes_of_other_file(file):
     shape = file["contact_area"].shape
     del file["contact_area"]
     file.create_dataset("contact_area", shape, "f8", external=[("/etc/passwd", 0, h5py.h5f.UNLIMITED)])
 
 
-def map_to_other_file(file):
+def replace_by_virtual_dataset_of_other_file(file):
     shape = file["contact_area"].shape
     del file["contact_area"]
     layout = h5py.VirtualLayout(shape, "f8")
@@ -504,9 +504,9 @@ BLOCK_FILE_CHANGES = {
     "an infinite area": make_variable_rewriter("contact_area", lambda values: np.full_like(values, np.inf)),
     "no study text": lambda file: file.attrs.__delitem__("study"),
     "an invalid study text": make_attribute_setter("study", "seed"),
-    "a link to another file": link_to_other_file,
-    "bytes of another file": use_bytes_of_other_file,
-    "numbers of another file": map_to_other_file,
+    "a link to another file": replace_by_link_to_other_file,
+    "bytes of another file": read_variable_from_bytes_of_other_file,
+    "numbers of another file": replace_by_virtual_dataset_of_other_file,
     "numbers that were never written": create_unwritten_variable,
 }
 

@@ -14,7 +14,7 @@ def summarize_point(dataset, study=None, **options):
     return summarize(dataset, measured_study(hardness=2.0) if study is None else study, **options).points[0]
 
 
-def caveats_with(point, text):
+def find_caveats_with_text(point, text):
     return [(caveat.severity, caveat.text) for caveat in point.caveats if text in caveat.text]
 
 
@@ -55,7 +55,9 @@ def test_samples_with_unlimited_friction_are_a_fault_if_the_interval_has_no_uppe
     study = measured_study(hardness=2.0).with_changes({"contact.junction_growth": "slip-line"})
     dataset = measured_result(load_share_at_hardness=0.5)
     dataset["fraction_unlimited"] = xarray.full_like(dataset["spread_low"], fraction)
-    caveats = caveats_with(summarize_point(dataset, study), "of the samples of the inputs, the interface is stronger")
+    caveats = find_caveats_with_text(
+        summarize_point(dataset, study), "of the samples of the inputs, the interface is stronger"
+    )
     assert [actual_severity for actual_severity, _ in caveats] == ([severity] if severity else [])
     assert any("no upper limit" in text for _, text in caveats) == (severity == "fault")
 
@@ -66,17 +68,19 @@ def test_tau0_near_the_shear_strength_of_the_body_has_a_caveat(tau0, has_caveat)
     study = measured_study(hardness=2.0).with_changes({"contact.junction_growth": 27, "friction.tau0": [f"{tau0} GPa"]})
     dataset = measured_result(load_share_at_hardness=0.5, tau0=(tau0,))
     dataset["fraction_unlimited"] = xarray.zeros_like(dataset["spread_low"])
-    assert bool(caveats_with(summarize_point(dataset, study), "nearly as strong as the bulk")) == has_caveat
+    assert bool(find_caveats_with_text(summarize_point(dataset, study), "nearly as strong as the bulk")) == has_caveat
     slip_lines = study.with_changes({"contact.junction_growth": f"slip-line {CENTRAL_SHEAR_RATIO}"})
-    assert not caveats_with(summarize_point(dataset, slip_lines), "nearly as strong as the bulk")
+    assert not find_caveats_with_text(summarize_point(dataset, slip_lines), "nearly as strong as the bulk")
 
 
 @pytest.mark.parametrize(("pressure", "has_caveat"), [(0.85, False), (0.95, True)])
 def test_contact_area_has_a_yielding_caveat_if_the_mean_pressure_is_near_half_the_hardness(pressure, has_caveat):
     study = measured_study(hardness=2.0).with_changes({"contact.yield_exponent": None})
     point = summarize_point(measured_result(mean_pressure=pressure), study)
-    assert bool(caveats_with(point, "yielding below the surface is neglected")) == has_caveat
-    assert not caveats_with(summarize_point(measured_result(mean_pressure=pressure)), "yielding below the surface")
+    assert bool(find_caveats_with_text(point, "yielding below the surface is neglected")) == has_caveat
+    assert not find_caveats_with_text(
+        summarize_point(measured_result(mean_pressure=pressure)), "yielding below the surface"
+    )
 
 
 @pytest.mark.parametrize(("load_fraction_at_hardness", "has_caveat"), [(0.0, True), (0.9, False)])
@@ -85,13 +89,13 @@ def test_roughness_drift_has_a_caveat_unless_plastic_contacts_carry_most_of_the_
 ):
     dataset = measured_result(all_contacts=0.4, load_share_at_hardness=load_fraction_at_hardness)
     point = summarize_point(dataset.assign_attrs(upper_drift=(0.1, 0.5)))
-    assert bool(caveats_with(point, "rms slope changes by a factor of 1.1")) == has_caveat
+    assert bool(find_caveats_with_text(point, "rms slope changes by a factor of 1.1")) == has_caveat
 
 
 @pytest.mark.parametrize(("ratio", "has_caveat"), [(2.5, False), (3.5, True)])
 def test_scan_more_than_three_times_coarser_than_the_other_scan_has_a_caveat(ratio, has_caveat):
     dataset = measured_result().assign_attrs(upper_spacing_um=0.1 * ratio, lower_spacing_um=0.1)
-    assert bool(caveats_with(summarize_point(dataset), "times coarser than the lower")) == has_caveat
+    assert bool(find_caveats_with_text(summarize_point(dataset), "times coarser than the lower")) == has_caveat
 
 
 def test_friction_range_for_finer_scans_is_omitted_if_another_cutoff_or_preparation_has_a_fault():
@@ -107,7 +111,7 @@ def test_friction_range_for_finer_scans_is_omitted_if_another_cutoff_or_preparat
     alternative = summarize(wide, measured_study(hardness=2.0))
     point = summarize_point(single, alternatives={"spikes": alternative})
     assert point.bracket is None
-    assert caveats_with(point, "without outliers")[0][0] == "fault"
+    assert find_caveats_with_text(point, "without outliers")[0][0] == "fault"
 
 
 def test_friction_range_for_finer_scans_starts_at_the_plastic_limit_with_junction_growth():

@@ -38,7 +38,7 @@ from stiction.views.figures.ensemble import (
     FULLY_FADED_INTERVAL_WIDTH,
     MAX_FADING,
     MIN_FADED_INTERVAL_WIDTH,
-    _compute_fading,
+    _compute_cell_fading,
     _fade_colours,
     area_figure,
     friction_figure,
@@ -274,7 +274,7 @@ def test_figures_of_one_fractal_dimension_one_pair_or_three_approach_values_caus
 
 def test_friction_map_cells_with_wide_intervals_fade_to_grey_of_equal_luminance():
     cells = [(1.0, 0.9, 1.1), (1.0, 0.0, 1.0), (1.0, -3.0, 5.0), (1.0, np.nan, np.nan), (np.nan, np.nan, np.nan)]
-    certain_colour, partly_faded, fully_faded, without_interval, without_value = _compute_fading(np.array(cells))
+    certain_colour, partly_faded, fully_faded, without_interval, without_value = _compute_cell_fading(np.array(cells))
     assert (certain_colour, without_value) == (0, 0)
     assert fully_faded == without_interval == MAX_FADING
     assert partly_faded == pytest.approx(

@@ -21,7 +21,7 @@ from stiction import (
 from stiction.study.measured_bodies import MeasuredBodySettings
 from stiction.study.study_description import get_pair_name
 from stiction.summary.input_caveats import (
-    MAX_FORM_FRACTION,
+    MAX_PARABOLA_HEIGHT_FRACTION,
     MAX_PLAUSIBLE_MU0,
     MAX_PRESSURE_OVER_MODULUS,
     MIN_SPIKE_SHARPNESS_RATIO,
@@ -79,7 +79,7 @@ def test_form_error_of_a_profile_adds_a_caveat_unless_the_form_is_removed(rough_
             )
             == has_caveat
         )
-    assert 0 < MAX_FORM_FRACTION < 1
+    assert 0 < MAX_PARABOLA_HEIGHT_FRACTION < 1
     curved_profile = Profile(rough_profile.heights + x**2, spacing=rough_profile.spacing)
     study = measured_study()
     study = study.with_changes({"surfaces.level": "quadratic"})  # a quadratic fit removes the parabola
@@ -341,8 +341,8 @@ class TestNoiseHiddenByRoughness:
         assert limits[0].origin == "instrument"
         study = pair_study(rough_map, smooth_map, **self.options)
         assert study.surfaces.cell_coordinates()["cut_off"].tolist() == [max(limit.cut_off for limit in limits), 0.0]
-        assert study.surfaces.upper.limit_cut_off(np.inf) == pytest.approx(limits[1].cut_off, rel=1e-12)
-        assert study.surfaces.lower.limit_cut_off(np.inf) == pytest.approx(limits[0].cut_off, rel=1e-12)
+        assert study.surfaces.upper.select_cut_off_of_scan(np.inf) == pytest.approx(limits[1].cut_off, rel=1e-12)
+        assert study.surfaces.lower.select_cut_off_of_scan(np.inf) == pytest.approx(limits[0].cut_off, rel=1e-12)
 
     def test_maps_without_noise_are_pressed_only_unfiltered(self):
         study = pair_study(*self.create_maps_with_noise(0.0), **self.options)
@@ -384,7 +384,7 @@ def short_wave_map(seed, points=256):
     return self_affine_map(seed, 0.8, (points, points), longest=points / 12, spacing=(1.0, 1.0)).heights
 
 
-def form_texts(body, **options):
+def find_form_and_step_texts(body, **options):
     return [
         caveat.text for caveat in find_scan_caveats(body, **options) if "form (" in caveat.text or "step" in caveat.text
     ]
@@ -393,8 +393,8 @@ def form_texts(body, **options):
 def test_spherical_map_adds_a_caveat_unless_the_spherical_form_is_removed():
     y, x = np.indices((256, 256)) / 255 - 0.5
     capped_map = Surface(0.5 * short_wave_map(1) - 4 * 2 * (x**2 + y**2), spacing=0.5)
-    assert [text.split(" contributes")[0] for text in form_texts(capped_map)] == ["form (a parabola)"]
-    assert form_texts(levelled(capped_map, "quadratic")) == []
+    assert [text.split(" contributes")[0] for text in find_form_and_step_texts(capped_map)] == ["form (a parabola)"]
+    assert find_form_and_step_texts(levelled(capped_map, "quadratic")) == []
     plain_map = Surface(0.5 * short_wave_map(1), spacing=0.5)
     assert "upper: form (a parabola)" in " ".join(find_caveat_texts(capped_map, plain_map))
     study = measured_study().with_changes({"surfaces.level": "quadratic"})
@@ -407,16 +407,16 @@ def test_height_step_in_a_map_adds_a_caveat_with_the_step_height_unless_cropped_
     y, x = np.indices((256, 256)) - 128
     across = x * np.cos(np.radians(angle)) + y * np.sin(np.radians(angle))
     heights = 0.025 * short_wave_map(2) + 2.0 * (across > 20) + tilt * x
-    (text,) = form_texts(Surface(heights, spacing=0.5))
+    (text,) = find_form_and_step_texts(Surface(heights, spacing=0.5))
     height = float(text.removeprefix("a step of ").split(" µm")[0])
     assert height == pytest.approx(2.0, rel=0.01)
     one_side = heights[: heights.shape[0] // 4, :64] if angle != 141 else heights[:64, -64:]
-    assert form_texts(Surface(one_side, spacing=0.5)) == []
+    assert find_form_and_step_texts(Surface(one_side, spacing=0.5)) == []
 
 
 def test_height_step_in_a_profile_adds_a_caveat_with_the_step_height():
     heights = 0.025 * short_wave_map(3)[7]
-    (text,) = form_texts(Profile(heights + 2.0 * (np.arange(heights.size) > 90), spacing=0.5))
+    (text,) = find_form_and_step_texts(Profile(heights + 2.0 * (np.arange(heights.size) > 90), spacing=0.5))
     assert text.startswith("a step of 2")
 
 
@@ -424,7 +424,7 @@ def test_height_step_in_a_map_with_missing_points_adds_a_caveat():
     is_missing = np.random.default_rng(1).random((256, 256)) < 0.3
     is_missing[:30, :30] = True
     heights = 0.025 * short_wave_map(4) + 2.0 * (np.arange(256) > 100)
-    (text,) = form_texts(Surface(heights, spacing=0.5, missing=is_missing))
+    (text,) = find_form_and_step_texts(Surface(heights, spacing=0.5, missing=is_missing))
     assert float(text.removeprefix("a step of ").split(" µm")[0]) == pytest.approx(2.0, rel=0.01)
 
 
@@ -434,7 +434,7 @@ def test_maps_without_form_error_and_height_steps_have_no_caveat_about_form_or_s
         heights = (
             short_wave_map(seed, 128) if kind == "Gaussian" else MACHINED_SURFACES[kind](np.random.default_rng(seed), 2)
         )
-        assert form_texts(Surface(0.02 * scale_to_unit_rms(heights), spacing=0.1)) == []
+        assert find_form_and_step_texts(Surface(0.02 * scale_to_unit_rms(heights), spacing=0.1)) == []
 
 
 # ---- Mirrored faces --------------------------------------------------------------------------------------------------

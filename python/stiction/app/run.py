@@ -68,7 +68,7 @@ class TimeLimitedConnection(H11Protocol):
 
 
 def run(*, print_message: Callable[[str], None], keep: bool = False, demo: bool = False) -> None:
-    """Serve the page of the app until Ctrl-C, or until the page is no longer open in a browser (see `is_abandoned`)."""
+    """Serve the page of the app until Ctrl-C, or until no browser shows the page (see `is_server_abandoned`)."""
     with (
         tempfile.TemporaryDirectory(prefix=WORKING_DIRECTORY_PREFIX) as directory,
         socket.create_server(("127.0.0.1", 0)) as listener,
@@ -114,11 +114,11 @@ async def _serve(
     await asyncio.to_thread(webbrowser.open, address)
     while not task.done():
         await asyncio.wait([task], timeout=0.5)
-        if not keep and is_abandoned(server, loop.time()):
+        if not keep and is_server_abandoned(server, loop.time()):
             request_shutdown()
 
 
-def is_abandoned(server: Server, current_time: float) -> bool:
+def is_server_abandoned(server: Server, current_time: float) -> bool:
     """Return whether the page of the app is no longer open in a browser, or was not opened in time.
 
     An open page sends requests. Without a request, the time limit is `SERVER_IDLE_TIMEOUT`, or `FIRST_WINDOW_TIMEOUT`

@@ -134,7 +134,7 @@ def at(
             )
         dimensions = [2 - exponent for exponent in parse_numbers("hurst", hurst)]
     amplitudes = None if amplitude_length is None else [amplitude_length]
-    points = _select_nearest_parameters(points, dimensions, amplitudes)
+    points = _select_cells_with_nearest_parameters(points, dimensions, amplitudes)
     if direction is not None:
         points = _select_direction(points, direction)
     missing_loads = find_loads_without_values(result, points)
@@ -145,7 +145,7 @@ def at(
         node_loads = sorted({load for loads in neighbours.values() for load in loads})
         points_at_nodes = result.at(node_loads, mu0=mu0_values, tau0=tau0_values, load_definition="elastic")
         node_points = result.summarize_dataset(
-            _select_nearest_parameters(points_at_nodes, dimensions, amplitudes)
+            _select_cells_with_nearest_parameters(points_at_nodes, dimensions, amplitudes)
         ).points
     if as_json:
         fields = {"interpolated": interpolation_records(neighbours, node_points)} if neighbours else {}
@@ -199,7 +199,7 @@ def _print_height_factor_results(
         print_output(height_scale_text(points.drop_sel(load=missing_loads), stored_result.study))
 
 
-def _select_nearest_parameters(
+def _select_cells_with_nearest_parameters(
     dataset: xarray.Dataset, dimensions: list[float] | None, amplitudes: Sequence[float] | None
 ) -> xarray.Dataset:
     """Select the cells whose fractal dimensions and amplitudes (µm) are nearest to the requested numbers.

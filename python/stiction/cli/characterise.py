@@ -211,7 +211,7 @@ def _print_joined_spectrum(
     from stiction.views.scans import joined_spectrum_figure, joined_spectrum_record, joined_spectrum_text
     from stiction.views.style import save_figure
 
-    names = _name_scans(files)
+    names = _choose_scan_names(files)
     joined_scans = joined_spectrum(
         [scan.body_without_outliers for scan in scans], tip_radii=[scan.tip_radius for scan in scans], names=names
     )
@@ -229,7 +229,7 @@ def _print_joined_spectrum(
         choose_message_printer(as_json)(f"wrote {printable_path(path)}, {len(files)} scans")
 
 
-def _name_scans(files: list[Path]) -> list[str]:
+def _choose_scan_names(files: list[Path]) -> list[str]:
     """Return names for scans: file names or, if two file names are equal, paths."""
     names = [file.name for file in files]
     return names if len(set(names)) == len(names) else list(map(str, files))
@@ -253,7 +253,7 @@ def _print_scan_comparison(
         scans[0].body, scans[1].body, outliers=[scan.excluded_outliers for scan in scans]
     )
     caveats = find_outlier_caveats(
-        scans, _name_scans(files), consequence="excluded from the noise, but not from the mean scan",
+        scans, _choose_scan_names(files), consequence="excluded from the noise, but not from the mean scan",
         option="--outliers mask --missing interpolate",
     )  # fmt: skip
     print_output(

@@ -103,11 +103,11 @@ def build_contact_forces(
     return xarray.Dataset(variables, coordinates, {"approach_um": approach, "spacing_um": lower.spacing})
 
 
-_PairAtApproach = tuple[Profile, Profile, float, dict[str, float], dict[str, float]]
+_ProfilePairAtApproach = tuple[Profile, Profile, float, dict[str, float], dict[str, float]]
 """Upper and lower profile, approach (µm), and the coordinates and attributes that describe this pair in a dataset."""
 
 
-def _find_first_touching_pair(result: MemberSums) -> _PairAtApproach | None:
+def _find_first_touching_pair(result: MemberSums) -> _ProfilePairAtApproach | None:
     """Return the first pair of measured profiles that is in contact at the first load of the study.
 
     Returns None if no pair touches.
@@ -127,7 +127,7 @@ def _find_first_touching_pair(result: MemberSums) -> _PairAtApproach | None:
     return None
 
 
-def _generate_middle_pair(result: MemberSums) -> _PairAtApproach | None:
+def _generate_middle_pair(result: MemberSums) -> _ProfilePairAtApproach | None:
     """Return the first generated pair at the middle fractal dimension, and the approach of the figure.
 
     The approach is the median of the approaches at which at least one pair touches. Returns None if no pair touches.

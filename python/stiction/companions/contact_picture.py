@@ -28,7 +28,7 @@ from stiction.solve.store import CONTACT_PICTURE_FILE, StoredResult, read_compan
 from stiction.study.contact_settings import HalfSpaceSettings
 from stiction.study.measured_surfaces import MeasuredSurfaceSettings
 from stiction.study.members import pair_of, read_measured_bodies
-from stiction.study.stored_values import ANY_STORED_VALUE, POSITIVE_STORED_VALUE, AttributeSpec, VariableSpec
+from stiction.study.stored_values import POSITIVE_STORED_VALUE_BOUNDS, STORED_VALUE_BOUNDS, AttributeSpec, VariableSpec
 from stiction.study.study import Study
 from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile
@@ -152,13 +152,13 @@ def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
     Raises a `StoreError` if the file is damaged.
     """
     specs = {name: VariableSpec(dims=("contact",)) for name in _CONTACT_VARIABLE_SPECS}
-    specs["contact_force"] = VariableSpec(dims=("contact",), bounds=POSITIVE_STORED_VALUE)
+    specs["contact_force"] = VariableSpec(dims=("contact",), bounds=POSITIVE_STORED_VALUE_BOUNDS)
     if not result.study.is_areal:
         specs |= {name: VariableSpec(dims=("height_x",), may_be_nan=True) for name in ("lower_height", "gap")}
     else:
         map_dims = ("height_y", "height_x")
         specs |= {f"{side}_height": VariableSpec(dims=map_dims, may_be_nan=True) for side in SIDES}
-        specs["patch"] = VariableSpec(dims=map_dims, dtype=int, bounds=(0, ANY_STORED_VALUE[1]))
+        specs["patch"] = VariableSpec(dims=map_dims, dtype=int, bounds=(0, STORED_VALUE_BOUNDS[1]))
     if result.study.is_areal and result.study.uses_half_space:
         zoom_dims = ("zoom_y", "zoom_x")
         specs |= {name: VariableSpec(dims=zoom_dims, may_be_nan=True) for name in ("zoom_pressure", "zoom_height")}
@@ -168,8 +168,8 @@ def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
 
 
 _CONTACT_PICTURE_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
-    "member": AttributeSpec(dtype=int, bounds=(0, ANY_STORED_VALUE[1])),
-    "load_mN": AttributeSpec(bounds=POSITIVE_STORED_VALUE),
+    "member": AttributeSpec(dtype=int, bounds=(0, STORED_VALUE_BOUNDS[1])),
+    "load_mN": AttributeSpec(bounds=POSITIVE_STORED_VALUE_BOUNDS),
     # The shift of a map is NaN for surrogates, which have no position.
     "x": AttributeSpec(may_be_nan=True),
     "y": AttributeSpec(may_be_nan=True),

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 HEIGHT_SCALE_DIRECTORY = "height_scale"
 """Name of the subdirectory of a result directory that contains one companion study per height factor."""
 
-HEIGHT_FACTOR_EXPONENT_STEP = 0.5
+MAX_INTERPOLATED_LOG2_FACTOR_STEP = 0.5
 """Largest difference of log2(factor) between two computed height factors that allows interpolation between them."""
 
 NUM_FACTOR_DIGITS = 6
@@ -142,10 +142,10 @@ def _parse_factor_text(text: str) -> Floats:
 def _find_enclosing_powers_of_two(low: float, high: float) -> Floats:
     """Return the height factors 2^(n/2), with consecutive integers n, that cover the range from `low` to `high`."""
     first_exponent, last_exponent = (
-        math.floor(math.log2(low) / HEIGHT_FACTOR_EXPONENT_STEP),
-        math.ceil(math.log2(high) / HEIGHT_FACTOR_EXPONENT_STEP),
+        math.floor(math.log2(low) / MAX_INTERPOLATED_LOG2_FACTOR_STEP),
+        math.ceil(math.log2(high) / MAX_INTERPOLATED_LOG2_FACTOR_STEP),
     )
-    powers = np.exp2(HEIGHT_FACTOR_EXPONENT_STEP * np.arange(first_exponent, last_exponent + 1)).clip(
+    powers = np.exp2(MAX_INTERPOLATED_LOG2_FACTOR_STEP * np.arange(first_exponent, last_exponent + 1)).clip(
         MIN_FACTOR, MAX_FACTOR
     )
     return np.unique([float(f"{power:.{NUM_FACTOR_DIGITS}g}") for power in powers.tolist()])
@@ -177,7 +177,7 @@ def _find_enclosing_indices(solved_factors: Floats, factor: float) -> tuple[int,
         return upper, upper
     is_close = (
         0 < upper < solved_factors.size
-        and math.log2(solved_factors[upper] / solved_factors[upper - 1]) < HEIGHT_FACTOR_EXPONENT_STEP * 1.001
+        and math.log2(solved_factors[upper] / solved_factors[upper - 1]) < MAX_INTERPOLATED_LOG2_FACTOR_STEP * 1.001
     )
     return (upper - 1, upper) if is_close else None
 

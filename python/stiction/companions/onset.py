@@ -31,7 +31,7 @@ from stiction.solve.executors import wrap_to_use_idle_threads
 from stiction.solve.member_solution import PressedPair, estimate_solution_time
 from stiction.solve.store import ONSET_FILE, read_companion_file
 from stiction.study.members import count_grid_points, read_measured_bodies
-from stiction.study.stored_values import ANY_STORED_VALUE, AttributeSpec, VariableSpec
+from stiction.study.stored_values import STORED_VALUE_BOUNDS, AttributeSpec, VariableSpec
 from stiction.study.study import Study
 from stiction.surfaces.surface import Surface
 
@@ -261,10 +261,10 @@ def scale_onset(onset: xarray.Dataset, coefficient: Estimate) -> xarray.Dataset:
     variables |= {"sliding_load": sliding_load, "tangential_load": tangential_load}
     scaled_onset = onset.assign(variables)
     forces = {name: factor * float(onset.attrs[name]) for name in _MODEL_FORCE_PARAMETERS if name in onset.attrs}
-    return scaled_onset.assign_attrs({_LOAD_INTERVAL_KIND: coefficient.kind, **forces})
+    return scaled_onset.assign_attrs({_LOAD_INTERVAL_KIND_ATTRIBUTE: coefficient.kind, **forces})
 
 
-_LOAD_INTERVAL_KIND = "load_interval_kind"
+_LOAD_INTERVAL_KIND_ATTRIBUTE = "load_interval_kind"
 """Name of the dataset attribute that states the interval kind of the tangential loads in a scaled onset."""
 
 
@@ -316,7 +316,11 @@ def read_onset_summary(onset: xarray.Dataset) -> OnsetSummary:
     def read(table: xarray.DataArray) -> Estimate:
         estimate = read_estimate(table)
         is_load = table.name in ("sliding_load", "tangential_load")
-        return replace(estimate, kind=attributes.get(_LOAD_INTERVAL_KIND, estimate.kind)) if is_load else estimate
+        return (
+            replace(estimate, kind=attributes.get(_LOAD_INTERVAL_KIND_ATTRIBUTE, estimate.kind))
+            if is_load
+            else estimate
+        )
 
     curve = {}
     for fraction in onset["fraction"].values.tolist():
@@ -342,7 +346,7 @@ def read_onset_summary(onset: xarray.Dataset) -> OnsetSummary:
 # ---- Files stored with a result -------------------------------------------------------------------------------------
 
 # Lower and upper bound of numbers that may be infinite in a stored file, such as stiffnesses.
-_BOUNDS_WITH_INFINITY = (-math.inf, math.inf)
+_BOUNDS_THAT_INCLUDE_INFINITY = (-math.inf, math.inf)
 
 _ONSET_VARIABLE_SPECS: dict[str, VariableSpec] = {
     "fraction": VariableSpec(dims=("fraction",)),
@@ -350,14 +354,14 @@ _ONSET_VARIABLE_SPECS: dict[str, VariableSpec] = {
     **{
         name: VariableSpec(
             dims=("statistic",),
-            bounds=_BOUNDS_WITH_INFINITY,
+            bounds=_BOUNDS_THAT_INCLUDE_INFINITY,
             may_be_nan=True,
             is_required=name != _ONSET_SCALAR_NAMES[-1],
         )
         for name in _ONSET_SCALAR_NAMES
     },
     **{
-        name: VariableSpec(dims=("fraction", "statistic"), bounds=_BOUNDS_WITH_INFINITY, may_be_nan=True)
+        name: VariableSpec(dims=("fraction", "statistic"), bounds=_BOUNDS_THAT_INCLUDE_INFINITY, may_be_nan=True)
         for name in _CURVE_TITLES
     },
     **{name: VariableSpec(dims=(name,), is_required=False, ascending_dim=name) for name in ("slip_y", "slip_x")},
@@ -379,7 +383,7 @@ _ONSET_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
     "load_mN": AttributeSpec(),
     "mu0": AttributeSpec(),
     "tau0_GPa": AttributeSpec(),
-    "members": AttributeSpec(dtype=int, bounds=(1, ANY_STORED_VALUE[1])),
+    "members": AttributeSpec(dtype=int, bounds=(1, STORED_VALUE_BOUNDS[1])),
     "poisson_ratio": AttributeSpec(sizes=(2,)),
     "poisson_given": AttributeSpec(dtype=int, is_required=False),
     **{

@@ -44,8 +44,8 @@ if TYPE_CHECKING:
 
 CUTOFF_STUDY_DIRECTORY = "resolution"
 # Maximum numbers of members in a cutoff study. Height maps take much longer than profiles.
-NUM_AREAL_MEMBERS = 4
-NUM_LINE_MEMBERS = 16
+MAX_CUTOFF_STUDY_MAP_MEMBERS = 4
+MAX_CUTOFF_STUDY_LINE_MEMBERS = 16
 # Maximum number of cutoffs above 0, which form a geometric sequence with ratio 2.
 MAX_CUTOFFS = 4
 FOUR_DIGIT_ROUNDING_ERROR = 5e-4
@@ -88,7 +88,8 @@ def build_cutoff_study(study: Study) -> Study | None:
         return None
     first_member = _find_first_scan_member(study)
     num_members = min(
-        study.ensemble.repetitions - first_member, NUM_AREAL_MEMBERS if study.is_areal else NUM_LINE_MEMBERS
+        study.ensemble.repetitions - first_member,
+        MAX_CUTOFF_STUDY_MAP_MEMBERS if study.is_areal else MAX_CUTOFF_STUDY_LINE_MEMBERS,
     )
     changes: dict[str, Any] = {
         "surfaces.cut_off": [exact_quantity_text(cutoff, "um") for cutoff in rounded_cutoffs],
@@ -185,13 +186,13 @@ class ResolvedRoughness:
         area fractions are triples of value, lower limit and upper limit.
         """
         gradients = brackets.extrapolated_gradients(self.roughness, self.estimate, self.shortest, self.gradient)
-        flat_fraction = np.array([area_fraction * self.gradient]) / brackets.interface_area_ratio(
+        flat_fraction = np.array([area_fraction * self.gradient]) / brackets.developed_interface_area_ratio(
             np.array(self.gradient)
         )
         area_fractions = brackets.elastic_area_fraction(
             gradients, flat_fraction, brackets.kappa_uncertainty_factor(np.array([contact_count]))
         )[:, 0]
-        area_fractions = area_fractions * brackets.interface_area_ratio(gradients[:, :1])
+        area_fractions = area_fractions * brackets.developed_interface_area_ratio(gradients[:, :1])
         return np.array(brackets.EXTRAPOLATED_WAVELENGTH_RATIOS) * self.shortest, gradients, area_fractions
 
 
@@ -400,7 +401,7 @@ def find_resolution_limits(points: xarray.Dataset, study: Study) -> ResolutionLi
         area_fraction, mean_over_directions(first_point, "contact_count")
     )
     nominal_pressure = float(points["load"]) / float(points["nominal_area"])
-    flat_area_fractions = area_fractions / brackets.interface_area_ratio(gradients[:, :1])
+    flat_area_fractions = area_fractions / brackets.developed_interface_area_ratio(gradients[:, :1])
     coefficients = float(points["mu0"]) + float(points["tau0"]) * flat_area_fractions / nominal_pressure
     coefficients *= brackets.transverse_slope_factor(gradients[:, :1], roughness.roughness.dimensions)
     return replace(limits, wavelengths=wavelengths, friction=coefficients, area_fractions=area_fractions)

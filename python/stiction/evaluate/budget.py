@@ -99,7 +99,7 @@ def add_uncertainty(
     else:
         names = [name for name in (*COMBINED_QUANTITIES, "contact_count") if name in at]
         alternatives = _evaluate_alternatives_uncached(result, at, names, budget=False, tests=tests)
-    return _cover_alternatives(original, alternatives) if alternatives else original
+    return _widen_intervals_to_alternatives(original, alternatives) if alternatives else original
 
 
 def evaluate_alternatives(result: MemberSums, at: xarray.Dataset) -> dict[AlternativeName, xarray.Dataset]:
@@ -138,7 +138,7 @@ def _evaluate_alternatives_uncached(
 
 
 # Dimensions and values of each variable of a dataset. The key is the name of the variable.
-_Tables = dict[str, tuple[tuple[str, ...], Floats]]
+_VariablesByName = dict[str, tuple[tuple[str, ...], Floats]]
 
 
 def is_tested_pair(study: Study, strength: InterfaceStrength | None) -> bool:
@@ -155,7 +155,7 @@ def predict_coefficient(result: MemberSums, load: float, strength: InterfaceStre
     """
     alternatives = {} if is_tested_pair(result.study, strength) else load_stored_alternatives(result)
     values, *alternative_values = (
-        _evaluate_with_interface(sums, load, strength) for sums in (result, *alternatives.values())
+        _evaluate_with_interface_strength(sums, load, strength) for sums in (result, *alternatives.values())
     )
     value, lower, upper = (
         _extend_estimates(values, alternative_values).tolist() if alternative_values else values.tolist()
@@ -163,7 +163,7 @@ def predict_coefficient(result: MemberSums, load: float, strength: InterfaceStre
     return value, lower, upper
 
 
-def _evaluate_with_interface(result: MemberSums, load: float, strength: InterfaceStrength) -> Floats:
+def _evaluate_with_interface_strength(result: MemberSums, load: float, strength: InterfaceStrength) -> Floats:
     """Return the coefficient at a load (mN) and its combined interval, without alternative scan preparations."""
     fit, study = strength.fits[0], result.study
     mu0, tau0 = round_median_strength(strength)
@@ -213,7 +213,7 @@ def _evaluate_uncertainty(
     is_budgeted: NDArray[np.bool_] | None,
     tests: bool,
     strength: InterfaceStrength | None,
-) -> tuple[_Tables, dict[str, Any]]:
+) -> tuple[_VariablesByName, dict[str, Any]]:
     """Compute combined intervals and uncertainty budgets at the loads, mu0 and tau0 of a dataset.
 
     `is_budgeted` is a mask of the loads at which uncertainty budgets are computed, or None to omit the budgets.
@@ -268,7 +268,7 @@ def _evaluate_uncertainty(
                 remaining_intervals[(index, *position)] = samples.value, *samples.interval({name: 0.5})
                 remaining_widths[(index, *position)] = samples.remaining_interval_width(name)
     interval_dims = (*dims, "statistic")
-    tables: _Tables = {
+    tables: _VariablesByName = {
         "friction_combined": (interval_dims, _get_combined_coefficients(at, study, dims, coefficient_intervals)),
         **quantities.tables,
     }
@@ -304,12 +304,12 @@ def _evaluate_uncertainty(
 
 
 # Uncertain inputs by name, and random samples of the pair (mu0, tau0).
-_SampledInputs = tuple[dict[str, StudyInput], list[JointSamples]]
+_UncertainInputsAndStrengthSamples = tuple[dict[str, StudyInput], list[JointSamples]]
 
 
 def find_inputs_and_strengths(
     study_inputs: Inputs, strength: InterfaceStrength | None = None, pair_checksum: str = ""
-) -> _SampledInputs:
+) -> _UncertainInputsAndStrengthSamples:
     """Return a study's uncertain inputs and, for a calibrated interface, joint samples of mu0, tau0 and inputs.
 
     The joint samples contain each input that also affected the tests of the interface, because its error is the same in
@@ -377,7 +377,7 @@ class _QuantitiesWithCombinedIntervals:
 
     def __init__(self, at: xarray.Dataset, dims: Sequence[str]) -> None:
         self._dims = dims
-        self.tables: _Tables = {}
+        self.tables: _VariablesByName = {}
         for name in COMBINED_QUANTITIES:
             if name in at and "statistic" in (variable := at.variables[name]).dims:
                 own_dims = (*(dim for dim in dims if dim in variable.dims), "statistic")
@@ -404,7 +404,7 @@ def _create_sampler(result: MemberSums) -> InputSampler:
 
 def _iterate_intervals(
     result: MemberSums, at: xarray.Dataset, dims: Sequence[str],
-    inputs_by_strength: Mapping[tuple[float, float], _SampledInputs],
+    inputs_by_strength: Mapping[tuple[float, float], _UncertainInputsAndStrengthSamples],
     scan_means: Mapping[tuple[int, ...], ScanPairMean | None], drifts: Mapping[str, float],
 ) -> Iterator[tuple[tuple[int, ...], CombinedIntervals]]:  # fmt: skip
     """Yield the combined intervals of each friction coefficient, preceded by its indices along `dims`.
@@ -487,7 +487,7 @@ def _find_budgeted_loads(is_study_load: NDArray[np.bool_], num_coefficients: int
     return np.asarray(num_counted_loads * num_coefficients_per_load <= MAX_BUDGETED_COEFFICIENTS)
 
 
-def _cover_alternatives(
+def _widen_intervals_to_alternatives(
     original: xarray.Dataset, alternatives: Mapping[AlternativeName, xarray.Dataset]
 ) -> xarray.Dataset:
     """Widen the intervals of a dataset to include the intervals for alternative preparations of the scans.

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 FALLBACK_YIELD_EXPONENT = 1.15
 """Exponent m of `yielded_area` for results without elastic areas, in which it only scales stored areas."""
 
-AREA_SUMS = ("contact_area", "normal_adhesive", "tangential_adhesive")
+AREA_PROPORTIONAL_SUM_NAMES = ("contact_area", "normal_adhesive", "tangential_adhesive")
 """Names of the stored contact sums that are proportional to the true area."""
 
 
@@ -358,19 +358,19 @@ def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
 def iterate_pieces_with_true_areas(result: MemberSums, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
     """Yield groups of members, with area sums scaled to the true area of yielding contacts.
 
-    The scaled sums are `AREA_SUMS`. All other sums are those of the half-space solution.
+    The scaled sums are `AREA_PROPORTIONAL_SUM_NAMES`. All other sums are those of the half-space solution.
     """
     factors = result.compute_once(compute_yield_factors)
     for piece in result.pieces(names):
-        yield piece if factors is None else _scale_areas(piece, factors)
+        yield piece if factors is None else _scale_area_sums(piece, factors)
 
 
-def _scale_areas(piece: xarray.Dataset, factors: Floats) -> xarray.Dataset:
+def _scale_area_sums(piece: xarray.Dataset, factors: Floats) -> xarray.Dataset:
     import xarray
 
     scale = xarray.Variable(("cut_off", "load"), factors)
     scaled_areas: dict[str, Any] = {}
-    for name in AREA_SUMS:
+    for name in AREA_PROPORTIONAL_SUM_NAMES:
         if name in piece.variables:
             variable = piece.variables[name]
             scaled_areas[name] = (variable * scale).transpose(*variable.dims)

@@ -29,8 +29,8 @@ MAX_VALUES_PER_BATCH = 2**17
 # Minimum number of repetitions for an interval.
 MIN_SAMPLE_SIZE = 3
 # Minimum number of neighbouring positions for an interval of the mean.
-MIN_NEIGHBOURING_VALUES = 8
-MIN_RELATIVE_CHANGE = -1 + 1e-12
+MIN_NEIGHBOURING_POSITIONS = 8
+MIN_SIGN_PRESERVING_CHANGE = -1 + 1e-12
 """Relative change of a mean on leaving out one repetition, above which the mean certainly keeps its sign.
 
 The change is -1 if all other repetitions are zero. The distance from -1 exceeds the round-off.
@@ -40,7 +40,7 @@ MAX_RELATIVE_ROUND_OFF = 1e-12
 
 Friction up to this fraction of the load or of the pull-off force counts as round-off, too.
 """
-_NEIGHBOUR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
+_TRIAL_NEIGHBOUR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_NEWTON_STEPS = 50
 # The interval of a mean is symmetric if the skewness of the values is 0 to within this number.
 _MAX_SYMMETRIC_SKEWNESS = 1e-9
@@ -315,8 +315,8 @@ class _QuantityAtLoads:
         )
         self._logarithms.add_sums(values.shape[2], power_sums[:4])
         self._differences.add_sums(values.shape[2], power_sums[4:8])
-        self.keeps_sign &= power_sums[8] > MIN_RELATIVE_CHANGE
-        self.keeps_load &= power_sums[9] > MIN_RELATIVE_CHANGE
+        self.keeps_sign &= power_sums[8] > MIN_SIGN_PRESERVING_CHANGE
+        self.keeps_load &= power_sums[9] > MIN_SIGN_PRESERVING_CHANGE
 
     def interval(self, curve: NDArray[np.intp]) -> tuple[Floats, Floats]:
         """Return the interval limits of the mean, one pair for each crossing of a load curve with a requested load.
@@ -447,7 +447,7 @@ def _compute_mixture_constants(count: int) -> tuple[Floats, Floats, float, float
     With the correlation matrix R of the values, the constants are 1' R^-1 1, the variance of the mean relative to that
     of a value, and the two-sided 95 % quantile and the peak density of Student's t distribution.
     """
-    rho, lags = _NEIGHBOUR_CORRELATIONS, np.arange(1, count)
+    rho, lags = _TRIAL_NEIGHBOUR_CORRELATIONS, np.arange(1, count)
     weight_sums = (count - (count - 2) * rho) / (1 + rho)
     inflation = (count + 2 * ((count - lags) * rho[:, np.newaxis] ** lags).sum(axis=1)) / count**2
     density = math.exp(math.lgamma(count / 2) - math.lgamma((count - 1) / 2)) / math.sqrt(math.pi * (count - 1))
@@ -462,14 +462,14 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
     The values are transformed to remove their skewness. The model is a mixture of autoregressive processes with
     correlations ρ from 0 to 0.95: Student's t intervals are averaged with the posterior probability of ρ as weight,
     for a prior proportional to sqrt(1 - ρ). The interval lies within the range of the values. The interval is NaN if
-    there are fewer than `MIN_NEIGHBOURING_VALUES` values or if all values are equal.
+    there are fewer than `MIN_NEIGHBOURING_POSITIONS` values or if all values are equal.
     """
     count = values.shape[0]
     # Each row of the transposed array is averaged separately, so the round-off of a mean is independent of other rows.
     rows = np.ascontiguousarray(values.reshape(count, math.prod(values.shape[1:])).T)
     mean = rows.mean(axis=1) if count else np.full(rows.shape[0], np.nan)
     lower, upper = np.full((2, mean.size), np.nan)
-    if count >= MIN_NEIGHBOURING_VALUES:
+    if count >= MIN_NEIGHBOURING_POSITIONS:
         batch_size = max(1, MAX_VALUES_PER_BATCH // (4 * count))
         for batch_start in range(0, mean.size, batch_size):
             batch = slice(batch_start, batch_start + batch_size)
@@ -490,7 +490,7 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
     value_count, deviations = values.shape[1], values - mean[:, np.newaxis]
     standard_deviation = np.sqrt(np.square(deviations).sum(axis=1) / (value_count - 1))
     has_spread = (standard_deviation > 0) & (values != values[:, :1]).any(axis=1)
-    y, rho = deviations / np.where(has_spread, standard_deviation, 1.0)[:, np.newaxis], _NEIGHBOUR_CORRELATIONS
+    y, rho = deviations / np.where(has_spread, standard_deviation, 1.0)[:, np.newaxis], _TRIAL_NEIGHBOUR_CORRELATIONS
     y[~has_spread] = np.linspace(-1.0, 1.0, value_count)
     # With the correlation matrix R of an autoregressive process, 1' R^-1 1, 1' R^-1 y and y' R^-1 y are short sums.
     weight_sums, inflation, quantile, density = _compute_mixture_constants(value_count)

@@ -47,7 +47,7 @@ _VARIABLES_BY_QUANTITY = {
 }
 """Contact sums from which each derived quantity is computed. Quantities without an entry are stored directly."""
 
-_RATIO_SUM_NAMES = ("contact_area", "contact_load", *sorted(VALIDITY_RATIO_OPERANDS))
+_SUM_NAMES_FOR_RATIOS = ("contact_area", "contact_load", *sorted(VALIDITY_RATIO_OPERANDS))
 """Contact sums from which ratios are computed, such as the mean pressure and the validity indicators."""
 
 
@@ -322,7 +322,7 @@ class _EnsembleQuantities:
         self.dims = [*(motion for motion in MOTION_DIMENSION_NAMES if motion in head.dims), *find_cell_dimensions(head)]
         self.cells = tuple(head.sizes[dim] for dim in self.dims)
         self.shape = (*self.cells, loads.size, mu0.size, tau0.size)
-        self.ratio_sum_names = [name for name in _RATIO_SUM_NAMES if includes_ratios and name in head]
+        self.ratio_sum_names = [name for name in _SUM_NAMES_FOR_RATIOS if includes_ratios and name in head]
         self.other_sum_names = [name for name in self.ratio_sum_names if name not in SUM_QUANTITIES]
 
     def required_variables(self) -> tuple[str, ...]:

@@ -122,7 +122,7 @@ def average_members(
     axes, direction_pairs = find_axes_with_both_directions(members["direction"].values)
     if members.sizes["direction"] > 1 and axes.size and is_requested("friction_by_axis", names):
 
-        def average_axes(coefficients: Floats) -> Floats:
+        def average_opposite_directions(coefficients: Floats) -> Floats:
             return np.stack(
                 [
                     np.take(coefficients, pair, axis=direction_axis).mean(axis=direction_axis)
@@ -132,7 +132,7 @@ def average_members(
             )
 
         variables["friction_by_axis"] = average_coefficients(
-            average_axes, ["axis" if dim == "direction" else dim for dim in dims], "friction_by_axis",
+            average_opposite_directions, ["axis" if dim == "direction" else dim for dim in dims], "friction_by_axis",
             np.stack(
                 [
                     np.take(counts_as_downhill, pair, axis=direction_axis - 1).any(axis=direction_axis - 1)

@@ -68,18 +68,18 @@ TOLERANCE_TO_RESIDUAL_RATIO = 0.05
 PLAIN_TOLERANCE_TO_RESIDUAL_RATIO = 1.0
 MAX_SOLUTION_TOLERANCE = 1e-3
 # While the bodies separate, the attraction may rise by this fraction of its maximum, due to numerical errors.
-MAX_ATTRACTION_INCREASE = 1e-3
+MAX_NUMERICAL_ATTRACTION_INCREASE = 1e-3
 # Bodies count as separate if the contact load is below this fraction of the mean attraction at first contact.
 MIN_CONTACT_LOAD_RATIO = 1e-3
 # Ratio of successive contact loads while the bodies separate.
 CONTACT_LOAD_REDUCTION_RATIO = 0.6
 # Relative tolerance of the pull-off load.
 # The search ends if the bodies separate at a load that is below the lowest equilibrium load by this fraction.
-MINIMUM_LOAD_TOLERANCE = 0.01
+PULL_OFF_LOAD_TOLERANCE = 0.01
 # A pull-off load passes a test if plain steps separate the bodies at an external load that is lower by this fraction.
-EXCLUDED_LOAD_MARGIN = 0.05
+LOAD_MARGIN_OF_MINIMUM_CHECK = 0.05
 # Interpolation between equilibria continues only if the predicted load is below all computed loads by this fraction.
-MIN_LOAD_IMPROVEMENT = 0.003
+MIN_PREDICTED_LOAD_DECREASE = 0.003
 # Two equilibria are interpolated only if their contact loads differ by at least this fraction.
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
 # Maximum number of equilibria that are computed at interpolated contact loads.
@@ -207,7 +207,7 @@ class AdhesionSolver:
             for state, residual in self._iterate_to_equilibrium(
                 iteration, lambda _: contact_load, MAX_EXTRAPOLATION_FACTOR
             ):
-                max_attraction = earlier_state.attraction + MAX_ATTRACTION_INCREASE * self.max_attraction
+                max_attraction = earlier_state.attraction + MAX_NUMERICAL_ATTRACTION_INCREASE * self.max_attraction
                 if residual <= self.max_residual and (state.attraction <= max_attraction).all():
                     return dict(vars(state))
                 if residual <= self.max_residual:
@@ -367,7 +367,9 @@ class AdhesionSolver:
             state, is_balanced = self.find_equilibrium_at_pressure(near, load, max_factor=1.0)
         if not is_balanced:
             assert near is not None
-            least_load = f"{self.mean_pressure_to_force(state_of_lowest_load(self.trace_separation(near)).load):.4g} mN"
+            least_load = (
+                f"{self.mean_pressure_to_force(find_state_of_lowest_load(self.trace_separation(near)).load):.4g} mN"
+            )
             raise EquilibriumNotFoundError(
                 f"the lowest load that the bodies support is {least_load} or lower; {self.uncertainty_reason}"
                 if self.uncertainty_reason
@@ -398,7 +400,7 @@ class AdhesionSolver:
 
         If the bodies are hard, equilibria at decreasing contact loads lead past the minimum of the external load. If
         this minimum is not certain, loads are tried by energy minimization, until the bodies separate under a load that
-        is lower by `MINIMUM_LOAD_TOLERANCE`. On large grids, the first of these loads is the minimum load on a grid of
+        is lower by `PULL_OFF_LOAD_TOLERANCE`. On large grids, the first of these loads is the minimum load on a grid of
         twice the spacing. If an iteration does not converge, `uncertainty_reason` contains the reason.
         """
         self.uncertainty_reason = ""
@@ -410,17 +412,17 @@ class AdhesionSolver:
             return states
         # An equilibrium that was computed for a contact load may be unstable under its external load.
         # Energy minimizations may start only from equilibria that are stable under their external load.
-        states, stable_states = [*first_states, state_of_lowest_load(states)], list(first_states)
+        states, stable_states = [*first_states, find_state_of_lowest_load(states)], list(first_states)
         # Contact loads are positive, so no later load can be below the negative attraction of an earlier state.
         unsupported_load, is_certain = -first_states[-1].mean_attraction, True
         try:
             first_load = self._find_pull_off_load_on_coarser_grid(start)
-            relative_step, approach_step = math.inf if first_load == 0 else 2 * MINIMUM_LOAD_TOLERANCE, 0.5
+            relative_step, approach_step = math.inf if first_load == 0 else 2 * PULL_OFF_LOAD_TOLERANCE, 0.5
             for number in range(MAX_TRIAL_LOADS):
-                near, least_load = state_of_lowest_load(stable_states), state_of_lowest_load(states).load
+                near, least_load = find_state_of_lowest_load(stable_states), find_state_of_lowest_load(states).load
                 load = (least_load + unsupported_load) / 2
                 if least_load < 0:
-                    next_load = (1 + MINIMUM_LOAD_TOLERANCE) * least_load
+                    next_load = (1 + PULL_OFF_LOAD_TOLERANCE) * least_load
                     if unsupported_load >= next_load and is_certain:
                         return states
                     if unsupported_load > (1 + MAX_LOAD_STEP) * least_load:
@@ -432,7 +434,7 @@ class AdhesionSolver:
                         is_near = near.load < (1 - MAX_LOAD_STEP) * unsupported_load
                         load = unsupported_load if is_near else near.load + approach_step * (least_load - near.load)
                 if number == 0 and unsupported_load < first_load < least_load:
-                    load, relative_step = first_load, 2 * MINIMUM_LOAD_TOLERANCE
+                    load, relative_step = first_load, 2 * PULL_OFF_LOAD_TOLERANCE
                 state = self.minimize_energy(near, load)
                 if state is not None:
                     states = sorted([*states, state], key=lambda state: -state.load)
@@ -456,10 +458,10 @@ class AdhesionSolver:
         If bounds on the load do not decide, iterations from the equilibrium `start` do. Extrapolated steps may pass an
         equilibrium, plain steps cannot.
         """
-        least_load = state_of_lowest_load(states).load
+        least_load = find_state_of_lowest_load(states).load
         # Between two equilibria, the load is at least (contact load of the later) - (mean attraction of the earlier).
         load_bounds = [later.contact_load - earlier.mean_attraction for earlier, later in itertools.pairwise(states)]
-        if min([*load_bounds, -states[-1].mean_attraction]) >= (1 + MINIMUM_LOAD_TOLERANCE) * least_load:
+        if min([*load_bounds, -states[-1].mean_attraction]) >= (1 + PULL_OFF_LOAD_TOLERANCE) * least_load:
             return True
         ends_before_minimum = states[-1].load == least_load and states[-1].contact_load > self.min_contact
         if least_load >= 0 or ends_before_minimum:
@@ -468,8 +470,8 @@ class AdhesionSolver:
             return not any(
                 self.find_equilibrium_at_pressure(start, (1 + margin) * least_load, max_factor=max_factor)[1]
                 for margin, max_factor in (
-                    (MINIMUM_LOAD_TOLERANCE, MAX_EXTRAPOLATION_FACTOR),
-                    (EXCLUDED_LOAD_MARGIN, 1.0),
+                    (PULL_OFF_LOAD_TOLERANCE, MAX_EXTRAPOLATION_FACTOR),
+                    (LOAD_MARGIN_OF_MINIMUM_CHECK, 1.0),
                 )
             )
         except EquilibriumNotFoundError:
@@ -519,7 +521,7 @@ class AdhesionSolver:
             coarse_start = solver.minimize_energy(near, start.load)
             if coarse_start is None:
                 return 0.0
-            return min(state_of_lowest_load(solver.trace_separation(coarse_start)).load, 0.0)
+            return min(find_state_of_lowest_load(solver.trace_separation(coarse_start)).load, 0.0)
         except EquilibriumNotFoundError:
             return 0.0
 
@@ -529,7 +531,7 @@ class AdhesionSolver:
         The series ends when the external load rises, or when no further equilibrium is found.
         """
         states = list(states)
-        while states[-1].contact_load > self.min_contact and states[-1] is state_of_lowest_load(states):
+        while states[-1].contact_load > self.min_contact and states[-1] is find_state_of_lowest_load(states):
             try:
                 states.append(
                     self.solve_at_contact_pressure(
@@ -589,7 +591,7 @@ class AdhesionSolver:
                         )
                     )
             load, contact_load, first_index = min(candidates, default=(0.0, 0.0, 0))
-            if load >= (1 + MIN_LOAD_IMPROVEMENT) * states[minimum_index].load:
+            if load >= (1 + MIN_PREDICTED_LOAD_DECREASE) * states[minimum_index].load:
                 break
             try:
                 states.insert(
@@ -664,7 +666,7 @@ def _extrapolation_factor(residual: float, previous_residual: float, max_factor:
     return 1 / (1 - residual_ratio) if residual_ratio < 1 - 1 / max_factor else max_factor
 
 
-def state_of_lowest_load(states: list[AdhesionState]) -> AdhesionState:
+def find_state_of_lowest_load(states: list[AdhesionState]) -> AdhesionState:
     """Return the equilibrium under the lowest (most negative) external load."""
     return min(states, key=lambda state: state.load)
 

@@ -103,7 +103,7 @@ def elastic_area_fraction(gradients: Floats, area_of_slope: Floats, spread: Floa
     return area_of_slope[:, np.newaxis] * spread_factors / gradients[:, np.newaxis, [0, 2, 1]]
 
 
-def interface_area_ratio(gradient: Floats) -> Floats:
+def developed_interface_area_ratio(gradient: Floats) -> Floats:
     """Return the ratio of developed to projected interface area for two equally rough surfaces.
 
     The ratio is 1 + h'²/8. Here h' is the rms gradient of the gap, and the interface has half of this gradient.

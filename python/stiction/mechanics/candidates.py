@@ -171,7 +171,7 @@ def candidates(
     return Candidates(core, curvature, tuple(filter(None, map(source_history_entry, (upper, lower)))))
 
 
-def candidates_and_model(
+def find_candidates_and_model(
     upper: Any, lower: Any, contact: Mapping[str, object]
 ) -> tuple[Candidates | None, ContactModel]:
     """Return contact candidates and contact model. The candidates are None if two surfaces are given instead."""

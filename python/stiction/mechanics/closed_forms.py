@@ -1055,7 +1055,7 @@ def westergaard_contact_fraction(
     >>> westergaard_contact_fraction(np.array([0.25, 0.5, 1.0]) * np.pi * 0.1, **wave).round(3)
     array([0.333, 0.5  , 1.   ])
     """
-    _, _, p, full_pressure, _ = _sinusoid_terms(0.0, mean_pressure, amplitude, wavelength, effective_modulus)
+    _, _, p, full_pressure, _ = _compute_sinusoid_terms(0.0, mean_pressure, amplitude, wavelength, effective_modulus)
     return np.asarray(2 / np.pi * np.arcsin(np.sqrt(np.minimum(p / full_pressure, 1))))
 
 
@@ -1101,7 +1101,9 @@ def westergaard_pressure(
     >>> westergaard_pressure([0.0, 0.1, 0.5], 0.1, **wave).round(4)
     array([0.3545, 0.2821, 0.    ])
     """
-    sine, cosine, p, full_pressure, _ = _sinusoid_terms(x, mean_pressure, amplitude, wavelength, effective_modulus)
+    sine, cosine, p, full_pressure, _ = _compute_sinusoid_terms(
+        x, mean_pressure, amplitude, wavelength, effective_modulus
+    )
     fraction = np.minimum(p / full_pressure, 1)
     partial_pressure = 2 * full_pressure * np.abs(cosine) * np.sqrt(np.maximum(fraction - sine**2, 0))
     return np.asarray(np.where(p < full_pressure, partial_pressure, p + full_pressure * (1 - 2 * sine**2)))
@@ -1150,13 +1152,13 @@ def westergaard_gap(
     >>> westergaard_gap([0.0, 0.25, 0.5], 0.1, **wave).round(5)
     array([0.     , 0.00159, 0.00904])
     """
-    sine, _, p, full_pressure, d = _sinusoid_terms(x, mean_pressure, amplitude, wavelength, effective_modulus)
+    sine, _, p, full_pressure, d = _compute_sinusoid_terms(x, mean_pressure, amplitude, wavelength, effective_modulus)
     contact_edge = np.sqrt(np.minimum(p / full_pressure, 1))
     s = np.maximum(np.abs(sine), contact_edge)
     return np.asarray(2 * d * (s * np.sqrt(s**2 - contact_edge**2) - contact_edge**2 * np.arccosh(s / contact_edge)))
 
 
-def _sinusoid_terms(
+def _compute_sinusoid_terms(
     x: ArrayLike, mean_pressure: ArrayLike, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
     """Return sin and cos of πx/λ, mean pressure p̄, full-contact pressure p* and amplitude from checked arguments."""

@@ -15,7 +15,7 @@ import stiction._core
 from stiction._checks import Floats, check_choice, make_read_only, validate_number
 from stiction._repr import TextReprMixin
 from stiction._units import short_repr, to_core_units
-from stiction.mechanics.candidates import Candidates, candidates, candidates_and_model
+from stiction.mechanics.candidates import Candidates, candidates, find_candidates_and_model
 from stiction.mechanics.model import ContactModelArguments, add_model_keywords_to_signature, warn_if_same_body
 from stiction.surfaces.profile import Profile, Side
 from stiction.surfaces.surface import Surface, as_body
@@ -152,7 +152,7 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
     >>> len(one), one.force.round(4)  # Hertz: 4/3 E* R^(1/2) overlap^(3/2)
     (1, array([0.0133]))
     """
-    minima, model = candidates_and_model(upper, lower, contact)
+    minima, model = find_candidates_and_model(upper, lower, contact)
     if minima is not None and approach is None:
         approach = lower
     approach = validate_number("approach", to_core_units("approach", approach, "length"), unit="µm")

@@ -52,9 +52,9 @@ STATUS_DOWNHILL: Status = "downhill"
 STATUS_BULK_SHEAR: Status = "bulk-shear"
 STATUSES_WITH_COEFFICIENT: tuple[Status, ...] = (STATUS_OK, STATUS_BULK_SHEAR)
 STATUS_DTYPE = np.dtype(f"<U{max(len(status) for status in STATUSES)}")
-_LOAD_CONTRIBUTIONS = ("elastic", "frictional", "adhesive")
+_LOAD_CONTRIBUTION_NAMES = ("elastic", "frictional", "adhesive")
 
-LOAD_SUM_NAMES = tuple(f"{load}_{part}" for load in ("normal", "tangential") for part in _LOAD_CONTRIBUTIONS)
+LOAD_SUM_NAMES = tuple(f"{load}_{part}" for load in ("normal", "tangential") for part in _LOAD_CONTRIBUTION_NAMES)
 """Names of the sums over contacts that give the normal and the tangential load for any mu0 and tau0."""
 
 NEGLIGIBLE_COEFFICIENT = 1e-9
@@ -69,7 +69,7 @@ The ratio of rubber on glass is usually 0.1 to 0.3. A unit that is wrong by a fa
 """
 
 
-PLANE_STRAIN_RATIO = 2 + np.pi
+PLANE_STRAIN_HARDNESS_TO_SHEAR_STRENGTH = 2 + np.pi
 """Ratio H/k of hardness to shear strength that the slip-line formulas assume: a flat punch in plane strain."""
 
 MIN_SHEAR_RATIO, CENTRAL_SHEAR_RATIO, MAX_SHEAR_RATIO = 5.14, 5.6, 6.05
@@ -78,7 +78,7 @@ MIN_SHEAR_RATIO, CENTRAL_SHEAR_RATIO, MAX_SHEAR_RATIO = 5.14, 5.6, 6.05
 Shield, Proceedings of the Royal Society A 233 (1955) 267; Eason & Shield, ZAMP 11 (1960) 33.
 """
 
-MAX_BULK_SHEAR_EFFECT = 0.05
+MAX_NEGLECTED_BULK_SHEAR_EFFECT = 0.05
 """Largest relative reduction of the friction force by shear of the softer body that is neglected."""
 
 MIN_TABULATED_MEAN_PRESSURE, NUM_TABULATED_VALUES = 0.005, 256
@@ -130,7 +130,9 @@ class FrictionLaw:
         The sums are given as a mapping or as attributes. The true area is `area` times the area in the sums, and the
         contacts carry a fraction of mu0 F + tau0 A (see `OnsetState`).
         """
-        elastic, *strength_sums = (_get_sum(sums, f"{name}_{contribution}") for contribution in _LOAD_CONTRIBUTIONS)
+        elastic, *strength_sums = (
+            _get_sum(sums, f"{name}_{contribution}") for contribution in _LOAD_CONTRIBUTION_NAMES
+        )
         frictional, adhesive = self.contributions(*strength_sums)
         return np.asarray(elastic + frictional * fraction + adhesive * (area * fraction))
 
@@ -222,7 +224,7 @@ class FrictionLaw:
         can_shear = self.is_stronger_than_body(hardness) | (pressure <= load / nominal_area)
         if not np.any(can_shear):
             return OnsetState(plastic_coefficient, area_at_onset, np.ones(()))
-        friction_fraction = self._compute_limited_fraction(
+        friction_fraction = self._compute_remaining_friction_fraction(
             load, area_at_onset, np.maximum(pressure, load / nominal_area), hardness
         )
         friction_fraction = np.where(can_shear, friction_fraction, 1.0)
@@ -231,7 +233,7 @@ class FrictionLaw:
             np.where(friction_fraction < 1, limited_coefficient, plastic_coefficient), area_at_onset, friction_fraction
         )
 
-    def _compute_limited_fraction(self, load: Any, area: Any, pressure: Any, hardness: Any) -> Floats:
+    def _compute_remaining_friction_fraction(self, load: Any, area: Any, pressure: Any, hardness: Any) -> Floats:
         """Return the fraction of the friction force that remains if the shear strength of the body limits tractions.
 
         The traction at each point is the smaller of mu0 p + tau0 and the shear strength k. The pressures p follow a
@@ -249,7 +251,7 @@ class FrictionLaw:
                 relative_limit, mean_pressure / pressure
             ) + np.minimum(adhesive, strength)
             fraction = limited_traction / (frictional + adhesive)
-        return np.where(fraction < 1 - MAX_BULK_SHEAR_EFFECT, fraction, 1.0)
+        return np.where(fraction < 1 - MAX_NEGLECTED_BULK_SHEAR_EFFECT, fraction, 1.0)
 
 
 @dataclass(frozen=True)
@@ -282,7 +284,7 @@ def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, shear_ratio: Any) -> F
     x = sin(arccos(f)/2). The function is concave in x, and the first value is on the side of the root from which the
     steps are monotone.
     """
-    slope = np.asarray(shear_ratio * mu0 / PLANE_STRAIN_RATIO)
+    slope = np.asarray(shear_ratio * mu0 / PLANE_STRAIN_HARDNESS_TO_SHEAR_STRENGTH)
     margin = np.maximum(1 - shear_ratio * tau0 / hardness - slope * (1 + np.pi / 2), 0.0)
     linear_coefficient = slope * (1 + np.pi / 2) * np.sqrt(2.0)
     # If mu0 is 0 and tau0 equals the shear strength, x is 0/0. `np.fmax` replaces this NaN by 0.
@@ -295,7 +297,7 @@ def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, shear_ratio: Any) -> F
             residual = margin - 2 * x**2 - slope * (2 * np.arcsin(x) + 2 * x * cosine)
             x = np.minimum(np.fmax(x + residual / (4 * (x + slope * cosine)), 0.0), np.sqrt(0.5))
     sector = 2 * np.arcsin(x) + 2 * x * np.sqrt(1 - x**2)
-    return np.asarray(hardness * ((1 + np.pi / 2 + sector) / PLANE_STRAIN_RATIO))
+    return np.asarray(hardness * ((1 + np.pi / 2 + sector) / PLANE_STRAIN_HARDNESS_TO_SHEAR_STRENGTH))
 
 
 def _compute_limited_pressure_ratio(limit: Any, mean: Any) -> Floats:
@@ -517,14 +519,14 @@ class FrictionCurve(PlotReprMixin):
 
         The shape is the broadcast shape of mu0 and tau0, followed by (k,) for k steps or by (m, k) for m directions.
         """
-        return self._broadcast_law(mu0, tau0).load("normal", self)
+        return self._broadcast_friction_law(mu0, tau0).load("normal", self)
 
     def tangential_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
         """Return the tangential load F_T (mN) at the onset of sliding.
 
         Shape and arguments are as for `normal_load`.
         """
-        return self._broadcast_law(mu0, tau0).load("tangential", self)
+        return self._broadcast_friction_law(mu0, tau0).load("tangential", self)
 
     def friction_coefficient(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
         """Return the friction coefficient F_T / F_N at each loading step; NaN where the status is not "ok".
@@ -534,7 +536,7 @@ class FrictionCurve(PlotReprMixin):
         With sliding="all", the ratio is negative if the slopes push the upper body in the direction of motion more
         strongly than friction holds it. The results of `pair` then have the status "downhill" and no coefficient.
         """
-        law = self._broadcast_law(mu0, tau0)
+        law = self._broadcast_friction_law(mu0, tau0)
         normal_load, tangential_load = law.load("normal", self), law.load("tangential", self)
         is_ok = statuses_of_approaches(self.contact_count, normal_load) == STATUS_OK
         coefficient: Floats = np.divide(
@@ -544,7 +546,7 @@ class FrictionCurve(PlotReprMixin):
 
     def status(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> NDArray[np.str_]:
         """Return "ok", "self-locked" (F_N <= 0) or "no-contact" at each loading step, for given mu0 and tau0 (GPa)."""
-        normal_load = self._broadcast_law(mu0, tau0).load("normal", self)
+        normal_load = self._broadcast_friction_law(mu0, tau0).load("normal", self)
         return statuses_of_approaches(self.contact_count, normal_load)
 
     def plot(self, ax: Axes | None = None, *, mu0: ArrayLike | None = None, tau0: ArrayLike = 0.0) -> Axes:
@@ -561,7 +563,7 @@ class FrictionCurve(PlotReprMixin):
             axes_or_new_axes(ax), self.normal_elastic, coefficient, mu0=mu0, tau0=tau0, direction=direction
         )
 
-    def _broadcast_law(self, mu0: ArrayLike, tau0: ArrayLike) -> FrictionLaw:
+    def _broadcast_friction_law(self, mu0: ArrayLike, tau0: ArrayLike) -> FrictionLaw:
         strengths = validate_friction_parameter("tau0", tau0)
         warn_if_tau0_is_large(strengths, self.effective_modulus)
         parameters = np.broadcast_arrays(validate_friction_parameter("mu0", mu0), strengths)

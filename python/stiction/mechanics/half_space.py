@@ -32,7 +32,7 @@ from stiction.mechanics.half_space_problem import (
     make_problem,
     min_resolved_adhesion_range,
     parse_loads_or_approaches,
-    sum_patches,
+    sum_friction_over_patches,
     tabulate_solutions,
 )
 from stiction.mechanics.mindlin import HalfSpaceTangentialProblem
@@ -45,7 +45,7 @@ from stiction.mechanics.model import (
     warn_if_same_body,
 )
 from stiction.mechanics.onset import Onset, compute_onset, parse_direction, resolve_index, validate_nonzero_strengths
-from stiction.mechanics.patches import DIRECTED_TOTALS
+from stiction.mechanics.patches import DIRECTED_TOTAL_NAMES
 from stiction.mechanics.solution_record import SolutionRecord
 from stiction.mechanics.tilt import solve_with_balanced_tilt
 from stiction.surfaces.profile import Profile, reject_missing_points
@@ -368,7 +368,7 @@ class HalfSpaceCurve(FrictionCurve):
         model = replace(self._model, direction=direction)
         if self._problem.gap.ndim == 1:
             model = model.for_profiles()
-        return self._with_contact_sums(model, sum_patches(self._contact_solutions, model.directions()))
+        return self._with_contact_sums(model, sum_friction_over_patches(self._contact_solutions, model.directions()))
 
     def onset(
         self,
@@ -423,9 +423,9 @@ class HalfSpaceCurve(FrictionCurve):
         unit_vectors = replace(self._model, direction=tuple(directions)).directions()
         sums = self._sums
         if not np.array_equal(unit_vectors, self._model.directions()):
-            sums = sum_patches(self._contact_solutions, unit_vectors)
+            sums = sum_friction_over_patches(self._contact_solutions, unit_vectors)
         totals = zip(*(sums.directed_totals(sliding) for sliding in sliding_rules), strict=True)
-        return {name: np.array(values) for name, values in zip(DIRECTED_TOTALS, totals, strict=True)}
+        return {name: np.array(values) for name, values in zip(DIRECTED_TOTAL_NAMES, totals, strict=True)}
 
     def _with_contact_sums(self, model: ContactModel, sums: PatchSums) -> HalfSpaceCurve:
         totals = _compute_contact_sums(model, self._contact_solutions, sums)
@@ -657,7 +657,7 @@ def _make_curve(
     problem: HalfSpaceProblem, model: ContactModel, contacts: list[ContactSolution], tolerance: float,
     record: SolutionRecord,
 ) -> HalfSpaceCurve:  # fmt: skip
-    sums = sum_patches(contacts, model.directions())
+    sums = sum_friction_over_patches(contacts, model.directions())
     columns: dict[str, Any] = tabulate_solutions(contacts) | _compute_contact_sums(model, contacts, sums)
     return HalfSpaceCurve(
         **{name: make_read_only(values) for name, values in columns.items()},
@@ -674,7 +674,7 @@ def _compute_contact_sums(
     if contacts[0].problem.work_of_adhesion > 0:
         totals["normal_elastic"] = totals["normal_elastic"] - [solution.attraction_force for solution in contacts]
     if model.angles().ndim == 0:
-        totals |= {name: totals[name][0] for name in DIRECTED_TOTALS}
+        totals |= {name: totals[name][0] for name in DIRECTED_TOTAL_NAMES}
     return totals
 
 

@@ -33,7 +33,7 @@ quarter of the time of solving a contact with free boundaries.
 """
 
 # A trial tilt displaces the edge of the surface by this fraction of the mean displacement due to the load.
-TILT_OVER_MEAN_DISPLACEMENT = 0.01
+TRIAL_TILT_TO_MEAN_DISPLACEMENT_RATIO = 0.01
 # Relative tolerance of the solver for a linear response, in which the set of contact points is fixed.
 LINEAR_RESPONSE_TOLERANCE = 1e-7
 # Upper limit of the pressures in a linear response to a mean pressure of 1. No pressure comes near this limit.
@@ -42,8 +42,8 @@ MAX_CELL_ASPECT_RATIO = 1e6
 
 
 _grids_by_key: weakref.WeakValueDictionary[tuple[Any, ...], _core.HalfSpaceGrids] = weakref.WeakValueDictionary()
-_key_of_grids: weakref.WeakKeyDictionary[_core.HalfSpaceGrids, tuple[Any, ...]] = weakref.WeakKeyDictionary()
-_last_grids: deque[_core.HalfSpaceGrids] = deque(maxlen=1)
+_keys_by_grids: weakref.WeakKeyDictionary[_core.HalfSpaceGrids, tuple[Any, ...]] = weakref.WeakKeyDictionary()
+_most_recent_grids: deque[_core.HalfSpaceGrids] = deque(maxlen=1)
 _uniform_displacements: weakref.WeakKeyDictionary[_core.HalfSpaceGrids, Floats] = weakref.WeakKeyDictionary()
 
 
@@ -61,9 +61,9 @@ def get_half_space_grids(
     grids = _grids_by_key.get(grids_key)
     if grids is None:
         grids = _core.HalfSpaceGrids(shape, spacing, effective_modulus=effective_modulus, periodic=periodic)
-        _grids_by_key[grids_key], _key_of_grids[grids] = grids, grids_key
+        _grids_by_key[grids_key], _keys_by_grids[grids] = grids, grids_key
     if remains_cached and math.prod(shape) <= MAX_CACHED_GRID_POINTS:
-        _last_grids.append(grids)
+        _most_recent_grids.append(grids)
     return grids
 
 
@@ -74,7 +74,7 @@ def _unpickle_grids(
 
 
 # Grids are pickled without kernels. The process that unpickles the grids computes the kernels again.
-copyreg.pickle(_core.HalfSpaceGrids, lambda grids: (_unpickle_grids, _key_of_grids[grids]))
+copyreg.pickle(_core.HalfSpaceGrids, lambda grids: (_unpickle_grids, _keys_by_grids[grids]))
 
 
 def solver_thread_count() -> int:
@@ -329,12 +329,12 @@ def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) 
         vars(solution)[name] = compliances_of_solution
 
 
-def sum_patches(solutions: Sequence[ContactSolution], directions: Floats) -> PatchSums:
+def sum_friction_over_patches(solutions: Sequence[ContactSolution], directions: Floats) -> PatchSums:
     """Return the friction sums of all patches in k solutions, for m directions of motion as unit vectors (m, 2)."""
     problem = solutions[0].problem
     # With free tilt, each load has its own contact problem, because the tilt changes the gap.
     if any(solution.problem is not problem for solution in solutions):
-        return PatchSums.join([sum_patches([solution], directions) for solution in solutions])
+        return PatchSums.join([sum_friction_over_patches([solution], directions) for solution in solutions])
     contacts = [solution.arrays for solution in solutions]
     return patch_sums(contacts, problem.interface_slopes, problem.cell_area, directions)
 
@@ -431,7 +431,7 @@ def coarsen_problem(problem: HalfSpaceProblem) -> HalfSpaceProblem:
     upper_heights, lower_heights, gap = (
         take_every_second_point(values) for values in (problem.upper_heights, problem.lower_heights, problem.gap)
     )
-    _, _, effective_modulus, periodic = _key_of_grids[problem.grids]
+    _, _, effective_modulus, periodic = _keys_by_grids[problem.grids]
     # The coarse grids are not cached, so that the cache keeps the grids of `problem`, which later problems need.
     grids = get_half_space_grids(gap.shape, spacing, effective_modulus, periodic=periodic, remains_cached=False)
     min_adhesion_range = min_resolved_adhesion_range(problem.work_of_adhesion, max(spacing), effective_modulus)
@@ -552,7 +552,7 @@ class TiltResponse:
         )
         slope_pressures = []
         for arm in arms:
-            small_slope = TILT_OVER_MEAN_DISPLACEMENT * mean_displacement / float(np.abs(arm).max())
+            small_slope = TRIAL_TILT_TO_MEAN_DISPLACEMENT_RATIO * mean_displacement / float(np.abs(arm).max())
             slope_pressures.append(
                 (solve_linear_response(small_slope * np.broadcast_to(arm, problem.gap.shape).copy())[0] - pressure)
                 / small_slope

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 import stiction._core
 from stiction._checks import Floats, float_array, make_read_only, validate_fraction
 from stiction._units import to_core_units
-from stiction.mechanics.candidates import Candidates, candidates, candidates_and_model
+from stiction.mechanics.candidates import Candidates, candidates, find_candidates_and_model
 from stiction.mechanics.contact import Contacts, contacts
 from stiction.mechanics.friction import ContactSums, FrictionCurve, SurfaceValidity, Validity
 from stiction.mechanics.mindlin import AsperityTangentialProblem
@@ -211,7 +211,7 @@ class SurfaceLoadCurve(LoadCurve):
 
         Shape and arguments are as for `normal_load`.
         """
-        return self._broadcast_law(mu0, tau0).load("lateral", self)
+        return self._broadcast_friction_law(mu0, tau0).load("lateral", self)
 
 
 @overload
@@ -291,7 +291,7 @@ def press(upper: Any, lower: Any = None, approaches: Any = None, **contact: Any)
     >>> curve.friction_coefficient(mu0=0.4).shape
     (4, 2)
     """
-    minima, model = candidates_and_model(upper, lower, contact)
+    minima, model = find_candidates_and_model(upper, lower, contact)
     if minima is not None and lower is not None:
         if approaches is not None:
             raise ValueError("lower must not be given together with candidates; use press(candidates, approaches)")

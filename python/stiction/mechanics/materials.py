@@ -289,7 +289,7 @@ def softest_material(*bodies: Material) -> Material | None:
     return min(hardnesses, key=lambda pair: pair[0])[1] if hardnesses and len(hardnesses) == len(bodies) else None
 
 
-def names_match(text: str, name: str) -> bool:
+def are_material_names_equal(text: str, name: str) -> bool:
     """Return True if two names of materials are equal except for case, blanks and punctuation."""
     return _normalise_name(text) == _normalise_name(name)
 
@@ -306,8 +306,8 @@ def _is_formula_of_another_material(name: str, other_material: Material) -> bool
     if letters in exact_names or letters in (letters.lower(), letters.upper()):
         return False
     words = re.findall(r"[^\W\d_]+", name)
-    has_word_case = all(word in (word.lower(), word.upper(), word.capitalize()) for word in words)
-    return not has_word_case or _FORMULA_PATTERN.fullmatch(letters) is not None
+    has_ordinary_capitals = all(word in (word.lower(), word.upper(), word.capitalize()) for word in words)
+    return not has_ordinary_capitals or _FORMULA_PATTERN.fullmatch(letters) is not None
 
 
 def _validate_material(name: str, body: Any) -> Material:

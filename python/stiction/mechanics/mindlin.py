@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from stiction.mechanics.half_space_problem import ContactSolution
 
 # The upper limits of the tractions count as uniform if they differ by at most this fraction.
-UNIFORMITY_TOLERANCE = 1e-12
+TRACTION_UNIFORMITY_TOLERANCE = 1e-12
 NUM_QUADRATURE_NODES = 24
 
 
@@ -290,7 +290,7 @@ class HalfSpaceTangentialProblem:
 
     def _compute_displacements(self, traction: Floats) -> Floats:
         """Return the tangential displacements (µm) of the points in contact under given tractions."""
-        if self.stiffness == np.inf and np.ptp(traction) <= UNIFORMITY_TOLERANCE * traction.max():
+        if self.stiffness == np.inf and np.ptp(traction) <= TRACTION_UNIFORMITY_TOLERANCE * traction.max():
             # In full contact, a uniform traction causes no displacement.
             return np.zeros(traction.size)
         displacements = (

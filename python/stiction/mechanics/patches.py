@@ -79,11 +79,11 @@ class PatchSums:
         return {
             "contact_area": self._sum_over_patches(self.area),
             "normal_elastic": self._sum_over_patches(self.force),
-            **dict(zip(DIRECTED_TOTALS, self.directed_totals(sliding), strict=True)),
+            **dict(zip(DIRECTED_TOTAL_NAMES, self.directed_totals(sliding), strict=True)),
         }
 
     def directed_totals(self, sliding: SlidingRule) -> list[Floats]:
-        """Return the sums `DIRECTED_TOTALS` over the patches that have friction, with the shape (directions, k)."""
+        """Return the sums `DIRECTED_TOTAL_NAMES` over the patches with friction, in the shape (directions, k)."""
         sums = (self.leaning, self.upward, self.forward, self.upward_area, self.forward_area)
         if sliding == "all":
             return [self._sum_over_patches(values) for values in sums]
@@ -94,7 +94,7 @@ class PatchSums:
         return np.asarray(np.add.reduceat(values, self.first_patch, axis=-1))
 
 
-DIRECTED_TOTALS = (
+DIRECTED_TOTAL_NAMES = (
     "tangential_elastic", "normal_frictional", "tangential_frictional", "normal_adhesive", "tangential_adhesive",
 )  # fmt: skip
 """Names of the force and area sums that depend on the direction of motion."""

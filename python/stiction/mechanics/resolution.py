@@ -412,7 +412,7 @@ def _add_plastic_limits(
         roughness, hurst_estimate, body_pair.shortest_cutoff_wavelength, gradient
     )
     area_of_slope = (
-        kappa * loads / (modulus * body_pair.nominal_area * brackets.interface_area_ratio(np.array(gradient)))
+        kappa * loads / (modulus * body_pair.nominal_area * brackets.developed_interface_area_ratio(np.array(gradient)))
     )
     area_fractions = brackets.elastic_area_fraction(gradients, area_of_slope, kappa_uncertainty)
     # The slope correction hardly depends on the uncertainty of the rms gradient, so the best estimate is used.
@@ -428,7 +428,7 @@ def _add_plastic_limits(
         ),
         "continued_rms_gradient": (dimensions[::2], gradients, "1", "gradient of the gap, extrapolated"),
         "continued_elastic_area_fraction": (
-            dimensions, area_fractions * brackets.interface_area_ratio(central_gradients), "1",
+            dimensions, area_fractions * brackets.developed_interface_area_ratio(central_gradients), "1",
             "elastic ratio of real to nominal area, extrapolated",
         ),
     }  # fmt: skip

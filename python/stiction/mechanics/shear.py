@@ -55,7 +55,7 @@ NORMAL_LOAD_TOLERANCE = 1e-4
 """Accepted deviation of the normal load from its target, as a fraction of the initial load."""
 
 # Maximum number of contact solutions for one shear displacement.
-MAX_LOAD_TRIALS = 40
+MAX_SOLUTIONS_PER_DISPLACEMENT = 40
 # Maximum ratio of the elastic loads of two consecutive contact solutions.
 MAX_LOAD_STEP_RATIO = 4.0
 # The faces of a joint lock if the elastic load exceeds this multiple of the required normal load.
@@ -63,7 +63,7 @@ MAX_ELASTIC_LOAD_RATIO = 100.0
 # The faces of a joint are separated if the elastic load is below this fraction of the initial load.
 MIN_ELASTIC_LOAD_RATIO = 1e-4
 
-MAX_ROUND_OFF_GAP = 1e-9
+MAX_ROUND_OFF_GAP_VARIATION = 1e-9
 """Largest variation of a gap that is attributed to round-off, as a fraction of the height of the face."""
 
 NUM_CLOSURE_LOADS = 8
@@ -213,7 +213,7 @@ class ShearBox:
             faces = self.upper, self.lower
             if any(face.missing is not None and face.missing[selection].all() for face in faces):
                 continue
-            upper, lower = (_select_points(face, selection) for face in faces)
+            upper, lower = (_select_face_region(face, selection) for face in faces)
             strip = replace(self, upper=upper, lower=lower)
             area_fraction = strip.initial_overlap_area / self.initial_overlap_area
             if area_fraction >= MIN_STRIP_AREA_FRACTION / count:
@@ -245,7 +245,7 @@ class ShearBox:
             return upper, replace(self.lower, history=())
         *starts, shape = self._find_overlap(offset)
         upper, lower = (
-            _select_points(body, _make_slices(start, shape))
+            _select_face_region(body, _make_slices(start, shape))
             for body, start in zip((self.upper, self.lower), starts, strict=True)
         )
         return upper, lower
@@ -357,7 +357,7 @@ class ShearBox:
         load_guess = self.load if previous_row is None else float(previous_row["elastic_load"])
         load_guess = load_guess if math.isfinite(load_guess) else self.load
         try:
-            status = _search_contact_force(compare_load, load_guess, self.load, max_load)
+            status = _search_elastic_load(compare_load, load_guess, self.load, max_load)
         except NoSolutionError:
             status = STATUS_NOT_SOLVED
         row = rows[-1] if rows and status == STATUS_OK else dict.fromkeys((*_STEP_QUANTITIES, "elastic_load"), math.nan)
@@ -503,7 +503,7 @@ def _make_slices(start: list[int], shape: list[int]) -> tuple[slice, ...]:
     return tuple(slice(start_index, start_index + count) for start_index, count in zip(start, shape, strict=True))
 
 
-def _select_points(face: Any, selection: tuple[slice, ...]) -> Any:
+def _select_face_region(face: Any, selection: tuple[slice, ...]) -> Any:
     """Return the points of a face within a range of grid rows and columns, as a new face."""
     return replace(face, heights=face.heights[selection], history=(), missing=select_from_mask(face.missing, selection))
 
@@ -512,7 +512,7 @@ def _close_round_off_gap(upper: Any, lower: Any) -> tuple[Any, Any]:
     """Give the upper face the heights of the lower face if the gap varies only by round-off, and return both."""
     missing = combine_missing_masks(upper, lower)
     gap = upper.heights - lower.heights if missing is None else (upper.heights - lower.heights)[~missing]
-    if np.ptp(gap) > MAX_ROUND_OFF_GAP * np.ptp(lower.heights):
+    if np.ptp(gap) > MAX_ROUND_OFF_GAP_VARIATION * np.ptp(lower.heights):
         return upper, lower
     return replace(upper, heights=lower.heights), lower
 
@@ -523,7 +523,7 @@ def _compute_measured_area(upper: Profile | Surface, lower: Profile | Surface) -
     return count * math.prod(lower.spacings)
 
 
-def _search_contact_force(
+def _search_elastic_load(
     compare_load: Callable[[float], tuple[float, float]], load_guess: float, load: float, max_load: float
 ) -> Status:
     """Search for the elastic load (mN) at which the normal load has its target value, and return a status.
@@ -534,7 +534,7 @@ def _search_contact_force(
     # Limits (mN) between which the elastic load is searched for.
     lower_load_limit, upper_load_limit = 0.0, max_load
     trial_load, last_trial = min(load_guess, 0.9 * max_load), None
-    for _ in range(MAX_LOAD_TRIALS):
+    for _ in range(MAX_SOLUTIONS_PER_DISPLACEMENT):
         load_excess, target = compare_load(trial_load)
         if abs(load_excess) <= NORMAL_LOAD_TOLERANCE * load:
             return STATUS_OK

@@ -38,7 +38,7 @@ MAX_TILT_SOLVES_PER_LOAD = 60
 MAX_EDGE_DISPLACEMENT_STEP = 0.5
 # Number that is added to the moment per unit slope, so that Newton's equations have a solution.
 # The unit of the number is (mean pressure) · (side length)² / (standard deviation of the gap).
-MIN_MOMENT_RESPONSE = 1e-6
+ADDED_MOMENT_PER_SLOPE = 1e-6
 # Tolerance of the displacements, relative to the largest displacement, if the search for the tilt starts from rigid
 # surfaces.
 INDENTATION_TOLERANCE = 1e-6
@@ -90,7 +90,7 @@ def solve_with_balanced_tilt(
                 start, contact_solution.on_grid(contact_solution.below_hardness)
             ).moments_per_slope
             slope_step = np.linalg.solve(
-                np.diag(MIN_MOMENT_RESPONSE * mean_pressure * side_lengths**2 / gap_deviation) - moments_per_slope,
+                np.diag(ADDED_MOMENT_PER_SLOPE * mean_pressure * side_lengths**2 / gap_deviation) - moments_per_slope,
                 moments,
             )
             slope_step *= min(

@@ -64,10 +64,10 @@ from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-STIFFNESS_DIFFERENCE_STEP = 0.02
+STIFFNESS_DIFFERENCE_HALF_WIDTH = 0.02
 """Half width of the central difference that gives the normal stiffness of asperities, as a fraction of the approach."""
 
-LOAD_JUMP_DISTANCE = 1e-11
+APPROACH_DISTANCE_ACROSS_LOAD_JUMP = 1e-11
 """Distance between the approaches just before and just after a jump in the load, as a fraction of the approach.
 
 The distance exceeds the tolerance of `find_approaches_at_loads`.
@@ -234,10 +234,10 @@ def _solve_asperities(
         return
     # Only with the detection method `cell`, contacts can start with a load above zero, and the load curve can jump.
     approach_fractions = [
-        1 - STIFFNESS_DIFFERENCE_STEP,
-        1 - LOAD_JUMP_DISTANCE * (first_model.detection == "cell"),
+        1 - STIFFNESS_DIFFERENCE_HALF_WIDTH,
+        1 - APPROACH_DISTANCE_ACROSS_LOAD_JUMP * (first_model.detection == "cell"),
         1,
-        1 + STIFFNESS_DIFFERENCE_STEP,
+        1 + STIFFNESS_DIFFERENCE_HALF_WIDTH,
     ]
     approaches, index = np.unique(np.outer(approach_fractions, approach[solved_loads]), return_inverse=True)
     lower_index, index_before_jump, load_index, upper_index = index.reshape(len(approach_fractions), solved_loads.size)
@@ -347,7 +347,7 @@ class PressedPair:
 
 CACHE_LINE_BYTES = 64  # bytes
 # Tangential load, as a fraction of the sliding load, for which a result stores the normal load on slipping contacts.
-SLIP_LOAD_FRACTION = 0.5
+TANGENTIAL_LOAD_FRACTION_OF_STORED_SLIP = 0.5
 
 MEMBER_TIME_COEFFICIENTS = {
     "onset": 1e-3, "generation": 1.45e-7, "profile": 6.6e-9, "asperities": 3e-8, "point": 1.35e-7, "area": 2e-3,
@@ -368,7 +368,7 @@ The keys are False for lines and True for maps.
 """
 
 MAX_POINTS_WITHIN_CACHE = 2**20
-LARGE_FREE_MAP_TIME_FACTOR = 2.0
+TIME_FACTOR_OF_LARGE_NONPERIODIC_MAPS = 2.0
 """Factor by which half-space solutions of non-periodic maps above `MAX_POINTS_WITHIN_CACHE` points take longer.
 
 Their padded transforms exceed the cache of the processor, and the stiffness at each load needs another solution with
@@ -385,7 +385,7 @@ ITERATIONS_PER_LOAD = 15
 # Largest estimated number of iterations of an adhesive contact, for lines (False) and maps (True).
 # Each step of an energy minimization counts as an iteration.
 MAX_ADHESION_ITERATIONS = {False: 10_700, True: 3100}
-ADHESION_ITERATION_FACTORS = {False: 100_000, True: 5000}
+ADHESION_ITERATIONS_AT_UNIT_RATIO = {False: 100_000, True: 5000}
 """Number of iterations for the adhesion of a gap with E* Sq Sdq / (4 w) = 1, for lines (False) and maps (True).
 
 The factors were fitted to 62 pairs with 64 to 256² points. The number is inversely proportional to this ratio, up to a
@@ -466,7 +466,7 @@ def estimate_member_iterations(study: Study) -> float:
 
 def _estimate_adhesion_iterations(study: Study) -> float:
     """Estimate the iterations for the pull-off force and for slowly converging adhesive contacts."""
-    factor = ADHESION_ITERATION_FACTORS[study.is_areal]
+    factor = ADHESION_ITERATIONS_AT_UNIT_RATIO[study.is_areal]
     min_ratio = factor / MAX_ADHESION_ITERATIONS[study.is_areal]
     return factor / max(_estimate_elasticity_to_adhesion_ratio(study), min_ratio)
 
@@ -481,7 +481,7 @@ def estimate_solution_time(study: Study) -> float:
     num_points = count_grid_points(study)
     is_free = isinstance(study.contact, HalfSpaceSettings) and study.contact.boundary == "free"
     is_large_free_map = is_areal and is_free and num_points > MAX_POINTS_WITHIN_CACHE
-    factor = LARGE_FREE_MAP_TIME_FACTOR if is_large_free_map else 1.0
+    factor = TIME_FACTOR_OF_LARGE_NONPERIODIC_MAPS if is_large_free_map else 1.0
     return additional_time + factor * coefficient * math.pow(num_points, exponent)
 
 
@@ -569,7 +569,7 @@ def _compute_onsets(study: Study, curve: LoadCurve) -> ArraysByName:
     for index in np.flatnonzero(curve.normal_elastic > 0).tolist():
         onset = curve.onset(
             index, mu0=contact.onset.mu0, tau0=float(contact.onset.tau0), direction=contact.directions_of_motion()[0],
-            steps=[SLIP_LOAD_FRACTION], poisson=contact.onset.poisson_ratio,
+            steps=[TANGENTIAL_LOAD_FRACTION_OF_STORED_SLIP], poisson=contact.onset.poisson_ratio,
         )  # fmt: skip
         onset_quantities = (onset.stiffness, onset.displacement_at_sliding, float(onset.slipped_load[0]))
         for name, value in zip(ONSET_QUANTITIES, onset_quantities, strict=True):

@@ -40,7 +40,7 @@ MAX_STEP_BYTES = 2**32
 _STATE_FILE = "state.npz"
 _STEP_FILE_PATTERN = re.compile(r"([0-9]{5,}|state)\.npz")
 _MEMBER_DIRECTORY_PATTERN = re.compile(r"([0-9]{7,18})-[0-9a-f]{16}")
-MAX_LINEAR_FRACTION = 0.5
+MAX_LINEAR_PROGRESS_FRACTION = 0.5
 """Fraction of the expected iterations up to which a member's progress is proportional to the number of iterations.
 
 Beyond this fraction, the progress approaches 1 without reaching it, because the number of iterations is not known in
@@ -123,9 +123,9 @@ def stored_record(directory: Path, member: int, key: str) -> SolutionRecord:
 
 def _estimate_finished_fraction(iteration_ratio: float) -> float:
     """Estimate the finished fraction of a member from the ratio of finished to expected iterations."""
-    if iteration_ratio <= MAX_LINEAR_FRACTION:
+    if iteration_ratio <= MAX_LINEAR_PROGRESS_FRACTION:
         return iteration_ratio
-    return 1 - MAX_LINEAR_FRACTION**2 / iteration_ratio
+    return 1 - MAX_LINEAR_PROGRESS_FRACTION**2 / iteration_ratio
 
 
 def find_members_in_progress(directory: Path) -> set[int]:
@@ -211,7 +211,7 @@ class _StoredRecord(SolutionRecord):
         return result
 
     def read_state(self) -> StepResult | None:
-        state = _read_result(self._directory / _STATE_FILE) if self._had_files else None
+        state = _read_result(self._directory / _STATE_FILE) if self._had_stored_files else None
         if state is None or int(state["step"]) != self._step:
             return None
         self.counter.add(int(state["iteration_count"]))
@@ -223,7 +223,7 @@ class _StoredRecord(SolutionRecord):
             self._write_steps(get_state() | step_counts)
 
     @cached_property
-    def _had_files(self) -> bool:
+    def _had_stored_files(self) -> bool:
         return self._directory.is_dir()
 
     def _read_step(self, step: int) -> StepResult | None:
@@ -231,7 +231,9 @@ class _StoredRecord(SolutionRecord):
 
         Returns None if this step or an earlier step is not stored.
         """
-        result = _read_result(self._directory / f"{step:05d}.npz") if self._is_resuming and self._had_files else None
+        result = (
+            _read_result(self._directory / f"{step:05d}.npz") if self._is_resuming and self._had_stored_files else None
+        )
         self._is_resuming = result is not None
         return result
 

@@ -49,7 +49,7 @@ from stiction.solve.store import (
     is_complete,
     write_block,
 )
-from stiction.study.members import check_last_member, count_grid_points, find_body_attributes
+from stiction.study.members import check_scans_provide_all_members, count_grid_points, find_body_attributes
 from stiction.study.study import Study
 from stiction.study.values import StudyError
 
@@ -148,7 +148,7 @@ def prepare_result_directory(
             f"contact.{study.step_quantity} or {study_keys}"
         )
     if not is_complete(directory, study):
-        check_last_member(study.with_checksums())
+        check_scans_provide_all_members(study.with_checksums())
     return create_or_open_result(directory, study.with_checksums(Path(directory)), claim)
 
 

@@ -59,7 +59,7 @@ from stiction.study.member_sources import BODY_ATTRIBUTE_SPECS, BodyAttributes
 from stiction.study.members import find_body_attributes
 from stiction.study.stored_values import (
     MIN_POSITIVE_STORED_VALUE,
-    POSITIVE_STORED_VALUE,
+    POSITIVE_STORED_VALUE_BOUNDS,
     AttributeSpec,
     DamagedFileError,
     VariableSpec,
@@ -621,7 +621,7 @@ def _write_study_file(stored_result: StoredResult, claim: DirectoryClaim) -> Non
         if _contains_study(path, study):
             return
         if not _contains_study(path, study, repetitions_may_differ=True):
-            check_unused(path, claim)
+            check_directory_is_unused(path, claim)
         # The blocks are listed after the search for claims, because a run's claim outlasts the writing of its blocks.
         _check_resumable(stored_result.reload())
         _check_study_file_may_be_replaced(path, study)
@@ -638,9 +638,9 @@ def remove_result(stored_result: StoredResult, claim: DirectoryClaim) -> None:
 
     Raises a `StoreError` if the study file was written or edited by hand, or if another run uses the directory.
     """
-    check_unedited(stored_result.path)
+    check_study_file_is_unedited(stored_result.path)
     claim.acquire()
-    check_unused(stored_result.path, claim)
+    check_directory_is_unused(stored_result.path, claim)
     for block in stored_result.blocks:
         (stored_result.path / BLOCKS_DIRECTORY / block.file_name).unlink(missing_ok=True)
     area_files = (AREAS_BY_HARDNESS_FILE,) if stored_result.study.is_measured else ()
@@ -683,7 +683,7 @@ def _check_resumable(stored_result: StoredResult) -> None:
         )
 
 
-def check_unedited(path: Path) -> None:
+def check_study_file_is_unedited(path: Path) -> None:
     """Raise a `StoreError` if the study file in a directory was written or edited by hand.
 
     An empty file, which a crash of the machine may leave, and changed line ends are accepted. Symbolic links are
@@ -730,14 +730,14 @@ def _is_old_study_file(path: Path, header: bytes, text: bytes) -> bool:
 def _check_study_file_may_be_replaced(path: Path, study: Study) -> None:
     """Raise a `StudyMismatchError` if the study file in a directory was edited by hand, so that no run replaces it."""
     try:
-        check_unedited(path)
+        check_study_file_is_unedited(path)
     except EditedStudyError:
         stored_study = _read_study_file(path)
         differences = find_section_differences(stored_study, study)
         raise StudyMismatchError(path, stored_study, differences, is_edited=True) from None
 
 
-def check_unused(path: Path, claim: DirectoryClaim) -> None:
+def check_directory_is_unused(path: Path, claim: DirectoryClaim) -> None:
     """Raise a `StoreError` if another run is using a result directory that this run has claimed."""
     if competitor := claim.find_other_claim():
         raise StoreError(
@@ -819,9 +819,9 @@ own data, and programs that modify the file remove the checksum.
 """
 
 # Only one thread may create the template file.
-_template_lock = threading.Lock()
+_template_file_lock = threading.Lock()
 # Only one thread may import the packages that encode blocks.
-_import_lock = threading.Lock()
+_dataset_package_import_lock = threading.Lock()
 
 
 @dataclass(frozen=True)
@@ -846,7 +846,7 @@ def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, ND
     import_dataset_packages()
     import h5py
 
-    with _template_lock:
+    with _template_file_lock:
         template = _encode_block_of_zeros(study, len(numbers))
     file_image = io.BytesIO(template)
     with h5py.File(file_image, "r+") as file:
@@ -880,7 +880,7 @@ def import_dataset_packages() -> None:
     The import takes 0.3 s, in which other threads compute. Only one thread imports at a time: if two threads import
     xarray, each may need a module that the other has not finished, and one import then fails.
     """
-    with _import_lock:
+    with _dataset_package_import_lock:
         import h5py  # noqa: F401
         import xarray.conventions  # noqa: F401
 
@@ -1007,7 +1007,7 @@ def decode_members(content: bytes) -> BlockFileContent:
                 for name, value in stored_attributes.items()
             }
             nominal_area = _read_variable(file, "nominal_area", ())
-            check_values("nominal_area", nominal_area, bounds=POSITIVE_STORED_VALUE)
+            check_values("nominal_area", nominal_area, bounds=POSITIVE_STORED_VALUE_BOUNDS)
             bodies = BodyAttributes(float(nominal_area), attributes)
         coordinates = {
             name: spec_and_values

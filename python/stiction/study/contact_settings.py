@@ -56,10 +56,10 @@ from stiction.study.values import (
     SettingsSectionVariant,
     SlidingRules,
     WorkOfAdhesion,
-    as_tuple,
     check_keys,
     direction_to_degrees,
     format_quantities,
+    list_to_tuple_validator,
     make_key_error,
     select_key_value,
     to_value_array,
@@ -146,7 +146,7 @@ DetectionSetting = Annotated[
 CurvatureSetting = Annotated[
     CurvatureRequirement, Field(description="Convexity required at a contact: of both bodies, or only of their gap.")
 ]
-MaterialNames = Annotated[tuple[_MaterialName, _MaterialName], as_tuple]
+MaterialNames = Annotated[tuple[_MaterialName, _MaterialName], list_to_tuple_validator]
 DERIVED_ELASTICITY_KEYS = ("effective_modulus", "compliance_share")
 """Keys of the section `[contact]` that are computed if Young's moduli and Poisson's ratios are given."""
 
@@ -692,7 +692,7 @@ def parse_contact_settings(
     return contact
 
 
-def _extend_loads(given_loads: Floats, margin: float, num_loads: int) -> Floats:
+def _add_loads_outside_range(given_loads: Floats, margin: float, num_loads: int) -> Floats:
     """Add `num_loads` loads (mN) in geometric progression, which extend below and above the given loads.
 
     The progression begins below the smallest given load and ends above the largest, each by the factor `margin`.
@@ -726,9 +726,9 @@ def choose_load_steps(
     if not given_loads.size or not (given_loads > 0).all():
         raise ValueError(f"loads must be above 0 mN, got {short_repr(loads)}")
     if press == "lines" and mechanics == "asperities":
-        load_steps = _extend_loads(given_loads, ASPERITY_LOAD_EXTENSION_FACTOR, NUM_ASPERITY_LOADS)
+        load_steps = _add_loads_outside_range(given_loads, ASPERITY_LOAD_EXTENSION_FACTOR, NUM_ASPERITY_LOADS)
     elif press == "lines":
-        load_steps = _extend_loads(given_loads, HALF_PLANE_LOAD_EXTENSION_FACTOR, NUM_HALF_PLANE_LOADS)
+        load_steps = _add_loads_outside_range(given_loads, HALF_PLANE_LOAD_EXTENSION_FACTOR, NUM_HALF_PLANE_LOADS)
     else:
         smaller_loads = given_loads.min() / MAX_AREAL_LOAD_RATIO ** np.arange(1, num_smaller + 1)
         load_steps = np.unique(

@@ -13,10 +13,10 @@ from stiction._units import short_repr
 from stiction.mechanics.closed_forms import effective_modulus
 from stiction.mechanics.materials import (
     MaterialValue,
+    are_material_names_equal,
     compliance_fraction,
     is_coating_formula,
     material,
-    names_match,
     softest_material,
 )
 
@@ -166,7 +166,8 @@ def _format_alias_note(name_pairs: Iterable[tuple[str, str]]) -> str:
     aliases = [
         f'"{alternative}"{{}} as {name}'
         for alternative, name in name_pairs
-        if not names_match(alternative, name) or (alternative.isupper() and is_coating_formula(alternative))
+        if not are_material_names_equal(alternative, name)
+        or (alternative.isupper() and is_coating_formula(alternative))
     ]
     text = ", ".join(alias.format("" if index else " is taken") for index, alias in enumerate(aliases))
     return f"{text} (stiction materials lists others)" if len(aliases) == 1 else text

@@ -20,9 +20,9 @@ from stiction.study.values import (
     Lengths,
     NumGridPoints,
     SettingsSectionVariant,
-    as_tuple,
+    list_to_tuple_validator,
     make_key_error,
-    read_length,
+    parse_positive_length,
     to_value_array,
 )
 from stiction.surfaces.fractal import FractalConvention
@@ -46,9 +46,11 @@ FractalDimensionConvention = Annotated[
     FractalConvention,
     Field(description="Definition of D: that of the paper, H = 4 - 2D, or the classical one, H = 2 - D."),
 ]
-MapExtents = Annotated[tuple[Length, Length], as_tuple, Field(description="Lengths of a surface along y and x.")]
+MapExtents = Annotated[
+    tuple[Length, Length], list_to_tuple_validator, Field(description="Lengths of a surface along y and x.")
+]
 GridShape = Annotated[
-    tuple[NumGridPoints, NumGridPoints], as_tuple, Field(description="Rows and columns of a surface.")
+    tuple[NumGridPoints, NumGridPoints], list_to_tuple_validator, Field(description="Rows and columns of a surface.")
 ]
 AmplitudeDefinition = Annotated[
     SurfaceAmplitudeMeasure,
@@ -256,7 +258,7 @@ class SelfAffineSettings(GeneratedMapSettings):
             if len(spacings) != 2 or len(shape) != 2:
                 raise make_key_error("spacing", f"must be a length or a list of two lengths, got {short_repr(spacing)}")
             try:
-                spacing_values = [float(read_length(text)) for text in spacings]
+                spacing_values = [float(parse_positive_length(text)) for text in spacings]
             except ValueError as error:
                 raise make_key_error("spacing", str(error)) from None
             section["extent"] = [

@@ -505,14 +505,14 @@ def parse_input_value(name: str, source: Any) -> InputValue:
         value = _parse_input_value(name, source)
     except ValueError as error:
         if isinstance(source, str) and kind and source.lstrip().startswith("-"):
-            raise ValueError(f"must be {_find_bound_text(kind)} 0, got {short_repr(source)}") from None
+            raise ValueError(f"must be {_lower_bound_words(kind)} 0, got {short_repr(source)}") from None
         raise ValueError(str(error).strip()) from None
     if kind in ("hardness", "modulus") and not value > 0:
-        raise ValueError(f"must be {_find_bound_text(kind)} 0, got {short_repr(source)}")
+        raise ValueError(f"must be {_lower_bound_words(kind)} 0, got {short_repr(source)}")
     return value
 
 
-def _find_bound_text(kind: InputKind) -> str:
+def _lower_bound_words(kind: InputKind) -> str:
     return "above" if kind in ("hardness", "modulus") else "at least"
 
 
@@ -580,19 +580,27 @@ def _format_values(values: tuple[InputValue, ...]) -> Any:
     return entries if values[0].is_exact else entries[0]
 
 
-_as_entry = PlainSerializer(format_input_value)
+_input_value_serializer = PlainSerializer(format_input_value)
 EffectiveModulusEntry = Annotated[
-    InputValue, PlainValidator(partial(parse_input_value, "effective_modulus")), _as_entry
+    InputValue, PlainValidator(partial(parse_input_value, "effective_modulus")), _input_value_serializer
 ]
-YoungModulusEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "young")), _as_entry]
-PoissonRatioEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "poisson")), _as_entry]
-HardnessEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "hardness")), _as_entry]
-JunctionGrowthEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "junction_growth")), _as_entry]
-YieldExponentEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "yield_exponent")), _as_entry]
-AreaLossEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "area_loss")), _as_entry]
-CreepExponentEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "creep")), _as_entry]
-FrictionCoefficientEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "mu0")), _as_entry]
-ShearStrengthEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "tau0")), _as_entry]
+YoungModulusEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "young")), _input_value_serializer]
+PoissonRatioEntry = Annotated[
+    InputValue, PlainValidator(partial(parse_input_value, "poisson")), _input_value_serializer
+]
+HardnessEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "hardness")), _input_value_serializer]
+JunctionGrowthEntry = Annotated[
+    InputValue, PlainValidator(partial(parse_input_value, "junction_growth")), _input_value_serializer
+]
+YieldExponentEntry = Annotated[
+    InputValue, PlainValidator(partial(parse_input_value, "yield_exponent")), _input_value_serializer
+]
+AreaLossEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "area_loss")), _input_value_serializer]
+CreepExponentEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "creep")), _input_value_serializer]
+FrictionCoefficientEntry = Annotated[
+    InputValue, PlainValidator(partial(parse_input_value, "mu0")), _input_value_serializer
+]
+ShearStrengthEntry = Annotated[InputValue, PlainValidator(partial(parse_input_value, "tau0")), _input_value_serializer]
 FrictionCoefficientEntries = Annotated[
     FrictionCoefficients, WrapValidator(partial(_parse_single_value, "mu0")), PlainSerializer(_format_values)
 ]

@@ -101,7 +101,7 @@ or only with care.
 """
 
 # Largest normal score that is computed from samples, for files without columns of normal scores.
-MAX_SCORE_OF_OLD_FILE = 5.0
+MAX_RECOVERED_NORMAL_SCORE = 5.0
 _SCORE_COLUMN_PREFIX = "score of "
 
 
@@ -622,7 +622,7 @@ def _compute_normal_scores_of_old_interface_file(fit: StrengthFit, header: Mappi
         "hardness": (HARDNESS_HEADER_ENTRY, fit.hardness),
         "junction_growth": (JUNCTION_GROWTH_HEADER_ENTRY, fit.junction_growth),
     }
-    nodes, scores = np.linspace(-MAX_SCORE_OF_OLD_FILE, MAX_SCORE_OF_OLD_FILE, 2001), {}
+    nodes, scores = np.linspace(-MAX_RECOVERED_NORMAL_SCORE, MAX_RECOVERED_NORMAL_SCORE, 2001), {}
     for name, (entry, samples) in columns.items():
         if entry not in header or np.isnan(samples).any():
             continue

@@ -22,10 +22,10 @@ from stiction.study.values import (
     Length,
     LengthOrZero,
     SettingsSection,
-    as_tuple,
-    as_written,
     format_quantities,
-    read_length,
+    list_to_tuple_validator,
+    parse_positive_length,
+    quantity_serializer,
 )
 from stiction.surfaces.interchange import extract_heights
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
@@ -170,7 +170,9 @@ class MeasuredBodySettings(SettingsSection):
         default=None, description="Unit of all lengths in the file, or units of positions and heights."
     )
     spacing: Annotated[
-        Quantity | tuple[Quantity, Quantity] | None, _build_one_or_list_validator(read_length), as_written
+        Quantity | tuple[Quantity, Quantity] | None,
+        _build_one_or_list_validator(parse_positive_length),
+        quantity_serializer,
     ] = Field(default=None, description="Distance between neighbouring points, or between rows and between columns.")
     channel: Annotated[
         ColumnNameOrIndex | None, PlainValidator(lambda value: None if value is None else _parse_column(value))
@@ -185,7 +187,7 @@ class MeasuredBodySettings(SettingsSection):
     outliers: OutlierTreatment = Field(
         default="keep", description="Treatment of isolated outliers: keep them, or mark them as missing."
     )
-    crop: Annotated[tuple[Quantity, ...] | None, PlainValidator(_parse_crop), as_written] = Field(
+    crop: Annotated[tuple[Quantity, ...] | None, PlainValidator(_parse_crop), quantity_serializer] = Field(
         default=None, description="Region to read: first and last x, and for maps first and last y."
     )
     missing_value: Annotated[tuple[float | str, ...] | None, PlainValidator(_parse_missing_values)] = Field(
@@ -218,7 +220,7 @@ class MeasuredBodySettings(SettingsSection):
         description="Factor by which the heights are multiplied, for example to study another finish.",
     )
     body: BodyInMemory | None = Field(default=None, repr=False, description="Body in memory (Python only).")
-    others: Annotated[tuple[MeasuredBodySettings, ...], as_tuple] | None = Field(
+    others: Annotated[tuple[MeasuredBodySettings, ...], list_to_tuple_validator] | None = Field(
         default=None,
         description="Further scans at other places on the same part; in a list of files, all files after the first.",
     )
@@ -362,7 +364,7 @@ class MeasuredBodySettings(SettingsSection):
         """
         return [body for scan in self.scans if isinstance(body := scan.read(), (Profile, Surface))]
 
-    def limit_cut_off(self, wavelength: float) -> float:
+    def select_cut_off_of_scan(self, wavelength: float) -> float:
         """Return the cutoff (µm) for this scan: the pair's cutoff, or the maximum cutoff of the scan if smaller."""
         return wavelength if self.max_cut_off is None else min(wavelength, float(self.max_cut_off))
 

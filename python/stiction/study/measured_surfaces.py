@@ -25,7 +25,7 @@ from stiction.study.values import (
     LengthOrZero,
     SettingsSectionVariant,
     SignedLength,
-    as_tuple,
+    list_to_tuple_validator,
     make_key_error,
     require_distinct,
     to_value_array,
@@ -95,7 +95,9 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
 
     def get_scan_cut_offs(self, wavelength: float) -> ScanCutoffs:
         """Return the cutoff (µm) of each scan of the upper and of the lower body, given the pair's cutoff (0: none)."""
-        upper, lower = (tuple(scan.limit_cut_off(wavelength) for scan in getattr(self, side).scans) for side in SIDES)
+        upper, lower = (
+            tuple(scan.select_cut_off_of_scan(wavelength) for scan in getattr(self, side).scans) for side in SIDES
+        )
         return upper, lower
 
     def with_changed_files(self, change: Callable[[MeasuredBodySettings, str], MeasuredBodySettings]) -> Self:
@@ -187,7 +189,7 @@ class MeasuredLineSettings(CommonMeasuredSurfaceSettings):
 
     positions: (
         Annotated[
-            tuple[LengthOrZero, ...], as_tuple, Field(min_length=1, max_length=MAX_RELATIVE_POSITIONS),
+            tuple[LengthOrZero, ...], list_to_tuple_validator, Field(min_length=1, max_length=MAX_RELATIVE_POSITIONS),
             AfterValidator(require_distinct),
         ]
         | None
@@ -240,7 +242,7 @@ class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
     )
     positions: (
         Annotated[
-            tuple[Annotated[tuple[SignedLength, SignedLength], as_tuple], ...], as_tuple,
+            tuple[Annotated[tuple[SignedLength, SignedLength], list_to_tuple_validator], ...], list_to_tuple_validator,
             Field(min_length=1, max_length=MAX_RELATIVE_POSITIONS), AfterValidator(require_distinct),
         ]
         | None

@@ -14,7 +14,7 @@ from stiction._caching import cached_property
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.mechanics.quantities import MAX_STORED_VALUE
 from stiction.study.measured_bodies import BodyPair, MeasuredBody
-from stiction.study.stored_values import POSITIVE_STORED_VALUE, AttributeSpec
+from stiction.study.stored_values import POSITIVE_STORED_VALUE_BOUNDS, AttributeSpec
 from stiction.surfaces.pairing import (
     SIDES,
     IsotropicSurfacePairs,
@@ -61,10 +61,10 @@ BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
     # Processing steps of each body.
     **{side: AttributeSpec(dtype=str) for side in SIDES},
     "shape": AttributeSpec(dtype=int, sizes=(1, 2), bounds=(1, MAX_STORED_VALUE)),
-    "spacing_um": AttributeSpec(sizes=(1, 2), bounds=POSITIVE_STORED_VALUE),
+    "spacing_um": AttributeSpec(sizes=(1, 2), bounds=POSITIVE_STORED_VALUE_BOUNDS),
     "fraction_used": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE)),
     **{
-        f"{side}_{name}_um": AttributeSpec(sizes=(1, 2), bounds=POSITIVE_STORED_VALUE)
+        f"{side}_{name}_um": AttributeSpec(sizes=(1, 2), bounds=POSITIVE_STORED_VALUE_BOUNDS)
         for side in SIDES
         for name in ("spacing", "extent")
     },

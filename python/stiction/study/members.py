@@ -234,7 +234,7 @@ class PreparedBodies:
         surfaces, indices = self._surfaces, (upper, lower)
         scan_pair = self._scans_by_side[0][upper], self._scans_by_side[1][lower]
         files = (getattr(surfaces, side).scans[index] for side, index in zip(SIDES, indices, strict=True))
-        upper_cutoff, lower_cutoff = (file.limit_cut_off(wavelength) for file in files)
+        upper_cutoff, lower_cutoff = (file.select_cut_off_of_scan(wavelength) for file in files)
         return surfaces.build_member_source(scan_pair, (upper_cutoff, lower_cutoff), self._seed)
 
     def member(self, index: int, wavelength: float) -> EnsembleMember:
@@ -356,7 +356,7 @@ def _read_cached_bodies(surfaces: MeasuredSurfaceSettings, seed: int, _: object)
     return PreparedBodies(surfaces, seed)
 
 
-def check_last_member(study: Study) -> None:
+def check_scans_provide_all_members(study: Study) -> None:
     """Raise a `ValueError` if the scans of a study provide fewer members than the study has repetitions."""
     if study.is_measured:
         cutoff = float(study.surfaces.cell_coordinates()["cut_off"][0])

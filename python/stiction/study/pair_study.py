@@ -79,7 +79,7 @@ DEFAULT_NUM_POSITIONS = 64
 # Number of additional loads, in the two decades below the requested loads, at which adhesive contacts are computed.
 NUM_ADHESION_LOADS = 4
 # Load that replaces a load of 0, as a fraction of the largest attraction on one grid cell.
-ZERO_LOAD_REPLACEMENT = 1e-3
+ZERO_LOAD_REPLACEMENT_FRACTION = 1e-3
 DEFAULT_CONTACT_LAW = "hertz-sphere"
 # Ratio of hardness to yield strength in the contact law of Jackson and Green.
 HARDNESS_TO_YIELD_RATIO = 2.84
@@ -440,7 +440,8 @@ class MeasuredPair:
         # A load of 0 is replaced by a load far below the attraction on one grid cell, and so below the pull-off force.
         if 0.0 in forces:
             forces = {
-                force or float(f"{ZERO_LOAD_REPLACEMENT * self._max_cell_adhesion_force:.3g}") for force in forces
+                force or float(f"{ZERO_LOAD_REPLACEMENT_FRACTION * self._max_cell_adhesion_force:.3g}")
+                for force in forces
             }
         return [quantity_in_core_units(force, "force") for force in sorted(forces)]
 
@@ -453,7 +454,7 @@ class MeasuredPair:
         """Largest adhesive force (mN) on a grid cell: work of adhesion over adhesion range, times cell area."""
         num_points = int(np.prod(self._body_attributes.attributes["shape"]))
         spacings = np.atleast_1d(np.asarray(self._body_attributes.attributes["spacing_um"], float))
-        work_of_adhesion, study_range = (
+        work_of_adhesion, adhesion_range_of_study = (
             float(self._adhesion_entries.get(name) or 0.0) for name in ("work_of_adhesion", "adhesion_range")
         )
         min_adhesion_range = min_resolved_adhesion_range(
@@ -461,7 +462,7 @@ class MeasuredPair:
         )
         return (
             work_of_adhesion
-            / max(study_range or DEFAULT_ADHESION_RANGE, min_adhesion_range)
+            / max(adhesion_range_of_study or DEFAULT_ADHESION_RANGE, min_adhesion_range)
             * self._nominal_area
             / num_points
         )

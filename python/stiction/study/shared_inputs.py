@@ -19,7 +19,7 @@ from stiction._checks import Floats
 from stiction.study.input_distributions import Z_95, UncertainInput, compute_effective_sample_size, select_by_weight
 from stiction.study.interfaces import InterfaceStrength, StrengthFit, shared_input_name
 
-MAX_CENTRAL_DIFFERENCE = 1e-3
+MAX_RELATIVE_CENTRAL_VALUE_DIFFERENCE = 1e-3
 """Relative difference up to which two central values are equal; the limits of the tested ranges have four digits."""
 
 MIN_CONDITIONED_SAMPLES = 500.0
@@ -36,7 +36,7 @@ WEIGHT_EXPONENT_STEP = 0.9
 # Half width of the distribution that stands for an exact number, relative to this number.
 RELATIVE_WIDTH_OF_EXACT_NUMBER = 1e-6
 # Distance over which a uniform density falls to zero outside its range, relative to the half width of the range.
-RELATIVE_EDGE_WIDTH = 0.01
+RELATIVE_DENSITY_EDGE_WIDTH = 0.01
 
 INPUTS_COMPARED_ELSEWHERE = ("mu0", "tau0", "junction_growth", "creep")
 """Inputs whose ranges are not compared here: the interface defines them, or has its own rule for them."""
@@ -70,7 +70,7 @@ class SharedInput:
     @property
     def is_one_quantity(self) -> bool:
         """True if the central values are equal, so that both ranges describe one quantity."""
-        return math.isclose(self.tested.value, self.stated.value, rel_tol=MAX_CENTRAL_DIFFERENCE)
+        return math.isclose(self.tested.value, self.stated.value, rel_tol=MAX_RELATIVE_CENTRAL_VALUE_DIFFERENCE)
 
     @property
     def has_overlapping_ranges(self) -> bool:
@@ -180,7 +180,7 @@ def _compute_log_density(estimate: UncertainInput, values: Floats) -> Floats:
     half_width = max(0.5 * (estimate.high - estimate.low), RELATIVE_WIDTH_OF_EXACT_NUMBER * estimate.value)
     if estimate.distribution == "uniform":
         distance = np.maximum(np.abs(values - estimate.value) - half_width, 0.0)
-        return np.asarray(-0.5 * (distance / (RELATIVE_EDGE_WIDTH * half_width)) ** 2)
+        return np.asarray(-0.5 * (distance / (RELATIVE_DENSITY_EDGE_WIDTH * half_width)) ** 2)
     if estimate.distribution == "log-normal":
         scores = 2 * Z_95 * np.log(values / estimate.value) / math.log(estimate.high / estimate.low)
         return np.asarray(-0.5 * scores**2 - np.log(values))

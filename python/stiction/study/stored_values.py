@@ -19,10 +19,10 @@ from stiction.mechanics.quantities import MAX_STORED_VALUE
 MIN_POSITIVE_STORED_VALUE = 1 / MAX_STORED_VALUE
 """Smallest positive number of a stored load, area or length. Quotients of stored numbers are then finite."""
 
-ANY_STORED_VALUE = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
+STORED_VALUE_BOUNDS = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
 """Bounds of stored numbers for which no narrower bounds are specified."""
 
-POSITIVE_STORED_VALUE = (MIN_POSITIVE_STORED_VALUE, MAX_STORED_VALUE)
+POSITIVE_STORED_VALUE_BOUNDS = (MIN_POSITIVE_STORED_VALUE, MAX_STORED_VALUE)
 """Bounds of stored numbers that must be above 0, such as areas and grid spacings."""
 
 _CHUNK_SIZE = 2**14
@@ -48,7 +48,7 @@ class VariableSpec:
 
     dims: tuple[str, ...] = ()
     dtype: type = float
-    bounds: tuple[float, float] = ANY_STORED_VALUE
+    bounds: tuple[float, float] = STORED_VALUE_BOUNDS
     may_be_nan: bool = False
     is_required: bool = True
     # Name of the dimension along which the numbers must increase strictly, or an empty text without this requirement.
@@ -61,7 +61,7 @@ class AttributeSpec:
 
     dtype: type = float
     sizes: tuple[int, ...] = (1,)
-    bounds: tuple[float, float] = ANY_STORED_VALUE
+    bounds: tuple[float, float] = STORED_VALUE_BOUNDS
     may_be_nan: bool = False
     is_required: bool = True
 
@@ -71,7 +71,7 @@ class AttributeSpec:
 
 
 def check_values(
-    name: str, values: NDArray[Any], *, dtype: type = float, bounds: tuple[float, float] = ANY_STORED_VALUE,
+    name: str, values: NDArray[Any], *, dtype: type = float, bounds: tuple[float, float] = STORED_VALUE_BOUNDS,
     may_be_nan: bool = False,
 ) -> tuple[float, bool]:  # fmt: skip
     """Raise a `DamagedFileError` if a stored variable has numbers of the wrong type or outside the bounds.

@@ -68,11 +68,11 @@ from stiction.study.values import (
     ShearStrengths,
     StudyError,
     Times,
-    as_tuple,
     check_keys,
     format_quantities,
     format_toml_sections,
     format_toml_value,
+    list_to_tuple_validator,
     make_key_error,
     parse_toml,
     select_key_value,
@@ -88,7 +88,7 @@ MAX_PARAMETER_COMBINATIONS = 1000
 _DISCRIMINATOR_KEYS = (("surfaces", "kind"), ("surfaces", "generator"), ("surfaces", "press"), ("contact", "mechanics"))
 """Keys whose value selects the class of a section, as pairs of section name and key."""
 
-_LEADING_KEYS = (
+_KEYS_WRITTEN_FIRST = (
     "kind", "generator", "press", "upper", "lower", "mechanics", "effective_modulus", "materials", "young", "poisson",
     "law", "detection", "curvature", "boundary", "hardness", "compliance_share",
 )  # fmt: skip
@@ -244,7 +244,7 @@ class EnsembleSettings(SettingsSection):
 FigureName = Literal["profiles", "length-scales", "friction", "area", "onset"]
 
 
-def _require_distinct_figures(names: tuple[str, ...]) -> tuple[str, ...]:
+def _require_distinct_figure_names(names: tuple[str, ...]) -> tuple[str, ...]:
     for name in names:
         if names.count(name) > 1:
             raise ValueError(f"must list each figure at most once, got {short_repr(name)} {names.count(name)} times")
@@ -254,8 +254,8 @@ def _require_distinct_figures(names: tuple[str, ...]) -> tuple[str, ...]:
 class FigureSettings(SettingsSection):
     """Section `[figures]` of a study: the figures that are drawn from a result of generated surfaces."""
 
-    draw: Annotated[tuple[FigureName, ...], as_tuple, AfterValidator(_require_distinct_figures)] = Field(
-        default=("friction", "area"), description="Figures that `run` and `plot` draw."
+    draw: Annotated[tuple[FigureName, ...], list_to_tuple_validator, AfterValidator(_require_distinct_figure_names)] = (
+        Field(default=("friction", "area"), description="Figures that `run` and `plot` draw.")
     )
 
 
@@ -680,7 +680,7 @@ def _convert_section(section: SettingsSection, target_class: type[SettingsSectio
 def drop_none_entries(section: SettingsSection) -> dict[str, Any]:
     """Return a section as a dictionary in the order of study files, without keys whose value is None."""
     data = section.model_dump(exclude_none=True)
-    key_order = {key: index - len(_LEADING_KEYS) for index, key in enumerate(_LEADING_KEYS)}
+    key_order = {key: index - len(_KEYS_WRITTEN_FIRST) for index, key in enumerate(_KEYS_WRITTEN_FIRST)}
     if isinstance(section, ContactSettingsForMeasuredMaps):
         key_order["direction"] = 1
     return dict(sorted(data.items(), key=lambda item: key_order.get(item[0], 0)))

@@ -51,7 +51,7 @@ def _make_quantity_parser(kind: str, *, allows_zero: bool = False) -> Callable[[
     return parse_checked_quantity
 
 
-read_length = _make_quantity_parser("length")
+parse_positive_length = _make_quantity_parser("length")
 
 
 def format_quantities(value: Any) -> Any:
@@ -75,16 +75,20 @@ def _require_increasing(values: tuple[float, ...]) -> tuple[float, ...]:
     return values
 
 
-as_written = PlainSerializer(format_quantities)
-Length = Annotated[Quantity, PlainValidator(read_length), as_written]
-SignedLength = Annotated[Quantity, PlainValidator(lambda text: quantity(text, "length")), as_written]
-LengthOrZero = Annotated[Quantity, PlainValidator(_make_quantity_parser("length", allows_zero=True)), as_written]
-Modulus = Annotated[Quantity, PlainValidator(_make_quantity_parser("pressure")), as_written]
-PressureOrZero = Annotated[Quantity, PlainValidator(_make_quantity_parser("pressure", allows_zero=True)), as_written]
-Force = Annotated[Quantity, PlainValidator(_make_quantity_parser("force")), as_written]
-Time = Annotated[Quantity, PlainValidator(_make_quantity_parser("time")), as_written]
+quantity_serializer = PlainSerializer(format_quantities)
+Length = Annotated[Quantity, PlainValidator(parse_positive_length), quantity_serializer]
+SignedLength = Annotated[Quantity, PlainValidator(lambda text: quantity(text, "length")), quantity_serializer]
+LengthOrZero = Annotated[
+    Quantity, PlainValidator(_make_quantity_parser("length", allows_zero=True)), quantity_serializer
+]
+Modulus = Annotated[Quantity, PlainValidator(_make_quantity_parser("pressure")), quantity_serializer]
+PressureOrZero = Annotated[
+    Quantity, PlainValidator(_make_quantity_parser("pressure", allows_zero=True)), quantity_serializer
+]
+Force = Annotated[Quantity, PlainValidator(_make_quantity_parser("force")), quantity_serializer]
+Time = Annotated[Quantity, PlainValidator(_make_quantity_parser("time")), quantity_serializer]
 WorkOfAdhesion = Annotated[
-    Quantity, PlainValidator(_make_quantity_parser("work of adhesion", allows_zero=True)), as_written
+    Quantity, PlainValidator(_make_quantity_parser("work of adhesion", allows_zero=True)), quantity_serializer
 ]
 Fraction = Annotated[float, Field(ge=0, le=1)]
 NumGridPoints = Annotated[int, Field(ge=MIN_POINTS, le=MAX_POINTS)]
@@ -103,37 +107,49 @@ def require_distinct(values: tuple[_Item, ...]) -> tuple[_Item, ...]:
 
 
 # Tuples replace the lists of TOML, because tuples cannot change.
-as_tuple = BeforeValidator(lambda values: tuple(values) if isinstance(values, list) else values)
-_long_list = (as_tuple, Field(min_length=1, max_length=MAX_NUM_PARAMETER_VALUES), AfterValidator(_require_increasing))
-_short_list = (as_tuple, Field(min_length=1, max_length=MAX_SHORT_LIST_LENGTH), AfterValidator(_require_increasing))
-FractalDimensions = Annotated[tuple[FractalDimension, ...], *_long_list]
-Lengths = Annotated[tuple[Length, ...], *_long_list]
-Approaches = Annotated[tuple[LengthOrZero, ...], *_long_list]
-Loads = Annotated[tuple[Force, ...], *_long_list]
-ShearStrengths = Annotated[tuple[PressureOrZero, ...], *_short_list]
-FrictionCoefficients = Annotated[tuple[FrictionCoefficient, ...], *_short_list]
+list_to_tuple_validator = BeforeValidator(lambda values: tuple(values) if isinstance(values, list) else values)
+_long_list_constraints = (
+    list_to_tuple_validator,
+    Field(min_length=1, max_length=MAX_NUM_PARAMETER_VALUES),
+    AfterValidator(_require_increasing),
+)
+_short_list_constraints = (
+    list_to_tuple_validator,
+    Field(min_length=1, max_length=MAX_SHORT_LIST_LENGTH),
+    AfterValidator(_require_increasing),
+)
+FractalDimensions = Annotated[tuple[FractalDimension, ...], *_long_list_constraints]
+Lengths = Annotated[tuple[Length, ...], *_long_list_constraints]
+Approaches = Annotated[tuple[LengthOrZero, ...], *_long_list_constraints]
+Loads = Annotated[tuple[Force, ...], *_long_list_constraints]
+ShearStrengths = Annotated[tuple[PressureOrZero, ...], *_short_list_constraints]
+FrictionCoefficients = Annotated[tuple[FrictionCoefficient, ...], *_short_list_constraints]
 CutOffs = Annotated[
     tuple[LengthOrZero, ...],
-    as_tuple,
+    list_to_tuple_validator,
     Field(min_length=1, max_length=MAX_SHORT_LIST_LENGTH),
     AfterValidator(require_distinct),
 ]
-_optional_short_list = (as_tuple, Field(max_length=MAX_SHORT_LIST_LENGTH), AfterValidator(_require_increasing))
-LoadsOfInterest = Annotated[tuple[Force, ...], *_optional_short_list]
-Times = Annotated[tuple[Time, ...], *_optional_short_list]
+_optional_short_list_constraints = (
+    list_to_tuple_validator,
+    Field(max_length=MAX_SHORT_LIST_LENGTH),
+    AfterValidator(_require_increasing),
+)
+LoadsOfInterest = Annotated[tuple[Force, ...], *_optional_short_list_constraints]
+Times = Annotated[tuple[Time, ...], *_optional_short_list_constraints]
 
 
 def _build_one_or_tuple_validator(
-    name: str, read: Callable[[object], Any], identity: Callable[[Any], Any]
+    name: str, parse_value: Callable[[object], Any], identity: Callable[[Any], Any]
 ) -> PlainValidator:
     """Build a pydantic validator that accepts one value, or a list of different values."""
 
     def validate(value: object) -> Any:
         if not isinstance(value, (list, tuple)):
-            return read(value)
+            return parse_value(value)
         if not 1 <= len(value) <= MAX_NUM_PARAMETER_VALUES:
             raise ValueError(f"must have from 1 to {MAX_NUM_PARAMETER_VALUES} {name}s, got {len(value)}")
-        values = tuple(map(read, value))
+        values = tuple(map(parse_value, value))
         if len(set(map(identity, values))) < len(values):
             raise ValueError(f"must contain each {name} only once, got {short_repr(list(values))}")
         return values
@@ -308,18 +324,21 @@ def _range_or_list_tag(value: object) -> str | None:
     return LIST_TAG if isinstance(value, (list, tuple)) else None
 
 
-_range_or_list = Discriminator(
+_range_or_list_discriminator = Discriminator(
     _range_or_list_tag,
     custom_error_type="range_or_list",
     custom_error_message="must be a list, or a section with start, stop and count",
 )
 FractalDimensionsOrRange = Annotated[
-    Annotated[FractalDimensionRange, Tag(RANGE_TAG)] | Annotated[FractalDimensions, Tag(LIST_TAG)], _range_or_list
+    Annotated[FractalDimensionRange, Tag(RANGE_TAG)] | Annotated[FractalDimensions, Tag(LIST_TAG)],
+    _range_or_list_discriminator,
 ]
 ApproachesOrRange = Annotated[
-    Annotated[ApproachRange, Tag(RANGE_TAG)] | Annotated[Approaches, Tag(LIST_TAG)], _range_or_list
+    Annotated[ApproachRange, Tag(RANGE_TAG)] | Annotated[Approaches, Tag(LIST_TAG)], _range_or_list_discriminator
 ]
-LoadsOrRange = Annotated[Annotated[LoadRange, Tag(RANGE_TAG)] | Annotated[Loads, Tag(LIST_TAG)], _range_or_list]
+LoadsOrRange = Annotated[
+    Annotated[LoadRange, Tag(RANGE_TAG)] | Annotated[Loads, Tag(LIST_TAG)], _range_or_list_discriminator
+]
 
 
 def to_value_array(values: _ValueRange | tuple[float, ...]) -> Floats:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._number_format import format_number, format_percent, format_significant, format_with_unit
 from stiction.calibration.friction_tests import NEGLIGIBLE_GROWTH_EFFECT
-from stiction.evaluate.intervals import MIN_NEIGHBOURING_VALUES, MIN_SAMPLE_SIZE
+from stiction.evaluate.intervals import MIN_NEIGHBOURING_POSITIONS, MIN_SAMPLE_SIZE
 from stiction.evaluate.member_means import AREA_ABOVE_NOMINAL_STATUS, FULL_CONTACT_STATUS
 from stiction.evaluate.member_values import has_grooves
 from stiction.evaluate.point import (
@@ -284,7 +284,7 @@ def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
         return (SINGLE_POSITION_CHECK,)
     members = study.member_names.plural
     are_neighbours = study.is_measured and not study.is_areal
-    min_members = MIN_NEIGHBOURING_VALUES if are_neighbours else MIN_SAMPLE_SIZE
+    min_members = MIN_NEIGHBOURING_POSITIONS if are_neighbours else MIN_SAMPLE_SIZE
     return (
         LimitCheck("deficit", 0.0, "the mean coefficient is below 0", "check the units of heights and spacing"),
         LimitCheck(
@@ -702,11 +702,11 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
             option_text = "" if study.uses_half_space else "--mechanics half-space and "
             yield Caveat(text, f"specify {option_text}--adhesion ('0 mJ/m^2' if there is none)", "caution")
         return
-    study_range, used_range = get_adhesion_ranges(point, study)
-    if used_range > study_range:
+    adhesion_range_of_study, used_range = get_adhesion_ranges(point, study)
+    if used_range > adhesion_range_of_study:
         text = (
             f"the range of adhesion is {format_with_unit(used_range, 'um')} instead of "
-            f"{format_with_unit(study_range, 'um')}, because this grid resolves no smaller range"
+            f"{format_with_unit(adhesion_range_of_study, 'um')}, because this grid resolves no smaller range"
         )
         yield Caveat(text, "the pull-off force changes little; use a finer scan for other results", "caution")
     uncertain_inputs = {name.split("_")[0] for name in Inputs.from_study(study).uncertain} & {

@@ -34,7 +34,7 @@ from stiction.surfaces.surface import Surface
 ASSUMED_MU0 = 0.4
 RADIAL_BINS_PER_DECADE = 20
 # If a spectrum has a Hann window, the variance of ln(density) in a bin of n harmonics is this number divided by n.
-_HANN_LOG_VARIANCE = 2.0
+_HANN_LOG_DENSITY_VARIANCE = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +97,7 @@ class Characterisation:
         return body
 
     @cached_property
-    def neighbour_slope(self) -> float:
+    def rms_slope_between_neighbours(self) -> float:
         """Rms slope of a profile, or rms gradient of a surface, from height differences between neighbouring points."""
         body = self.scale_limited_body
         if isinstance(body, Profile):
@@ -173,7 +173,7 @@ class Characterisation:
         if self.power_law_fit is None:
             return math.nan
         band = self.power_law_fit.shortest_wavelength, self.power_law_fit.longest_wavelength
-        dimensions, log_variance = self.power_law_fit.dimensions, _HANN_LOG_VARIANCE
+        dimensions, log_variance = self.power_law_fit.dimensions, _HANN_LOG_DENSITY_VARIANCE
         return power_law_misfit(
             self.binned_spectrum, band, self.power_law_fit.value, dimensions=dimensions, chance=log_variance
         )

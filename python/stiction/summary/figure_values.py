@@ -75,10 +75,10 @@ def evaluate_height_factors(
     mu0, tau0 = settings.mu0[mu0_index], float(settings.tau0[tau0_index])
     points = result.at(float(settings.load[0]), mu0=mu0, tau0=tau0, height_scale=factors, scaled=scaled_bodies)
     points = sort_sliding_rules(points.isel(load=0, mu0=0, tau0=0), result.study)
-    return omit_meaningless_area(points, result.study)
+    return remove_undefined_nominal_area(points, result.study)
 
 
-def omit_meaningless_area(points: xarray.Dataset, study: Study) -> xarray.Dataset:
+def remove_undefined_nominal_area(points: xarray.Dataset, study: Study) -> xarray.Dataset:
     """Remove nominal area and area fraction from a dataset of `Result.at` if the contact model has no nominal area."""
     names = ["nominal_area", "contact_area_fraction"]
     return points if study.has_nominal_area else points.drop_vars(names, errors="ignore")

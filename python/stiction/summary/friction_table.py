@@ -30,7 +30,7 @@ AVERAGED_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 # Largest true area fraction to which the laws of area and stiffness are fitted.
 MAX_FITTED_AREA_FRACTION = 0.1
 # A fitted law gets a caveat if a mean deviates from the law by more than this fraction.
-MAX_LAW_DEVIATION = 0.1
+MAX_DEVIATION_FROM_FITTED_LAW = 0.1
 _DIMENSION_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
 

@@ -53,7 +53,7 @@ MAX_HEIGHT_OVER_EXTENT = 10.0
 # Clean metals in vacuum can have a larger coefficient, but because of adhesion and junction growth (tau0), not mu0.
 MAX_PLAUSIBLE_MU0 = 2.0
 
-MAX_FORM_FRACTION = 0.6
+MAX_PARABOLA_HEIGHT_FRACTION = 0.6
 """Largest fraction of the mean square height due to a fitted parabola without a caveat about a form error.
 
 The fraction is about one half for a surface without form error if the longest wavelengths dominate its heights.
@@ -110,7 +110,7 @@ def find_input_caveats(
                     instrument=not is_vouched, tip_radius=file.tip,
                     textured=file.texture is not None, has_second_cutoff=bool(study.surfaces.both_readings),
                     elastic=not has_limited_pressure(study), alternatives=alternatives,
-                    cut_off=scan_entry.limit_cut_off(quoted_cutoff),
+                    cut_off=scan_entry.select_cut_off_of_scan(quoted_cutoff),
                 )  # fmt: skip
             for caveat in scan_caveats:
                 caveats_by_kind[_get_caveat_kind(caveat)] = max(
@@ -171,11 +171,11 @@ def find_input_caveats(
             text = f"the load {format_with_unit(load, 'mN')} is {pressure} on {area:.3g} µm², above a tenth of E*"
             caveats.append(Caveat(text, "specify the load on this area, not on the whole part", "caution"))
     caveats += _find_mirror_caveats(upper, lower, study)
-    caveats += _find_fit_caveats(upper, lower, study)
+    caveats += _find_mated_face_caveats(upper, lower, study)
     return tuple(caveats)
 
 
-def _find_fit_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) -> Iterator[Caveat]:
+def _find_mated_face_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) -> Iterator[Caveat]:
     """Yield a caveat if two faces fit into each other, as in a fracture, but the study specifies no position."""
     surfaces: Any = study.surfaces
     # Surrogates have no relative position.
@@ -350,7 +350,7 @@ def find_alternatives(study: Study) -> list[AlternativeName]:
     if any(settings.outliers == "keep" and defects.num_spikes for settings, defects in scans):
         names.append(SPIKES_ALTERNATIVE)
     if not (study.is_gap or surfaces.vouched) and any(
-        not defects.body.is_flat and defects.find_tip_limit(settings.limit_cut_off(quoted_cutoff)) is not None
+        not defects.body.is_flat and defects.find_tip_limit(settings.select_cut_off_of_scan(quoted_cutoff)) is not None
         for settings, defects in scans
     ):
         names.append(TIP_ALTERNATIVE)
@@ -467,7 +467,7 @@ def _find_form_caveats(defects: ScanDefects, *, form: bool, step: bool, has_mask
             f"{100 * dominant_step.fraction:.0f} % of the mean square height, and one side of the step carries the load"
         )
         yield Caveat(text, "press one side of the step only (--crop)", "caution")
-    elif form and (parabola_fraction := _compute_parabola_fraction(body)) > MAX_FORM_FRACTION:
+    elif form and (parabola_fraction := _compute_parabola_fraction(body)) > MAX_PARABOLA_HEIGHT_FRACTION:
         percentage = f"{100 * parabola_fraction:.0f} %"
         text = f"form (a parabola) contributes {percentage} of the mean square height, and carries the load"
         yield Caveat(text, "try --level quadratic", "caution")

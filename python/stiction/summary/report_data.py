@@ -18,8 +18,8 @@ from stiction.summary.figure_values import (
 )
 from stiction.summary.report_grid import ReportGrid
 from stiction.summary.report_values import (
-    GeneratedReportValues,
-    MeasuredReportValues,
+    ReportValuesOfGeneratedSurfaces,
+    ReportValuesOfMeasuredSurfaces,
     evaluate_generated_report,
     evaluate_measured_report,
 )
@@ -64,7 +64,7 @@ class ReportData:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class MeasuredReportData(ReportData):
+class ReportDataOfMeasuredSurfaces(ReportData):
     """Data of a report on measured surfaces: files, summary, contact picture and datasets for figures.
 
     Attributes
@@ -119,7 +119,7 @@ class BodyHistory:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class GeneratedReportData(ReportData):
+class ReportDataOfGeneratedSurfaces(ReportData):
     """Data of a report on generated surfaces: fractal dimensions, amplitudes, loads and datasets for figures.
 
     Attributes
@@ -144,12 +144,12 @@ class GeneratedReportData(ReportData):
     onset: xarray.Dataset | None
 
 
-def evaluate_measured_values(result: Evaluation) -> MeasuredReportValues:
+def evaluate_measured_values(result: Evaluation) -> ReportValuesOfMeasuredSurfaces:
     """Evaluate friction and contact quantities of measured surfaces for the loads, mu0 and tau0 of a report."""
     return evaluate_measured_report(ReportGrid(result))
 
 
-def evaluate_generated_values(result: Evaluation) -> GeneratedReportValues | None:
+def evaluate_generated_values(result: Evaluation) -> ReportValuesOfGeneratedSurfaces | None:
     """Evaluate friction and contact quantities of generated surfaces for the loads, mu0 and tau0 of a report.
 
     Returns None if no pair is in contact.
@@ -165,7 +165,7 @@ def count_coefficients(result: Evaluation) -> int:
 
 def collect_report_data(
     result: Evaluation, picture: xarray.Dataset | None = None
-) -> MeasuredReportData | GeneratedReportData:
+) -> ReportDataOfMeasuredSurfaces | ReportDataOfGeneratedSurfaces:
     """Collect the data of a report (study, bodies, summary, figure datasets), except the arrays for the sliders.
 
     `picture` comes from `contact_picture`; by default it is the picture that is stored with the result.
@@ -185,11 +185,11 @@ def _collect_common_data(result: Evaluation) -> dict[str, Any]:
 # ---- Measured surfaces -----------------------------------------------------------------------------------------------
 
 
-def _collect_measured_data(result: Evaluation, picture: xarray.Dataset | None) -> MeasuredReportData:
+def _collect_measured_data(result: Evaluation, picture: xarray.Dataset | None) -> ReportDataOfMeasuredSurfaces:
     study, head = result.study, result.head
     picture = result.contact_picture if picture is None else picture
     first_direction = float(study.contact.direction_angles()[0])
-    return MeasuredReportData(
+    return ReportDataOfMeasuredSurfaces(
         bodies={side: _read_body_history(getattr(study.surfaces, side), head.attrs.get(side)) for side in SIDES},
         **_collect_common_data(result),
         rules=list_rules_with_reported_first(study),
@@ -218,10 +218,10 @@ def _read_body_history(body: MeasuredBodySettings, history: str | None) -> BodyH
 # ---- Generated surfaces ----------------------------------------------------------------------------------------------
 
 
-def _collect_generated_data(result: Evaluation) -> GeneratedReportData:
+def _collect_generated_data(result: Evaluation) -> ReportDataOfGeneratedSurfaces:
     study, head, loads = result.study, result.head, ReportGrid(result).loads
     has_contact = bool(loads.size)
-    return GeneratedReportData(
+    return ReportDataOfGeneratedSurfaces(
         **_collect_common_data(result),
         rules=list(study.contact.sliding_rules()),
         num_solved=result.num_solved,

@@ -42,7 +42,7 @@ DIMENSIONS_OF_REPORT_ARRAYS = ("fractal_dimension", "amplitude", "sliding", "dir
 
 
 @dataclass(frozen=True, eq=False)
-class MeasuredReportValues:
+class ReportValuesOfMeasuredSurfaces:
     """Friction and contact quantities in a report on measured surfaces, at all loads, mu0 and tau0.
 
     The first axes of the arrays are kind of member, cutoff, sliding rule, motion, load, mu0 and tau0. The last axis of
@@ -92,7 +92,7 @@ class MeasuredReportValues:
     check_limits: dict[str, float | None]
 
 
-def evaluate_measured_report(grid: ReportGrid) -> MeasuredReportValues:
+def evaluate_measured_report(grid: ReportGrid) -> ReportValuesOfMeasuredSurfaces:
     """Evaluate friction and contact quantities of measured surfaces at all loads, mu0 and tau0 of a report."""
     tables, load_tables = grid.evaluate(), grid.evaluate_study_inputs()
     estimates, sampling, status_codes, num_solved, slopes = (
@@ -106,7 +106,7 @@ def evaluate_measured_report(grid: ReportGrid) -> MeasuredReportValues:
         np.broadcast_to(~has_combined[:, np.newaxis, np.newaxis, :, None, None, None], estimates.shape[:-1]), 1:
     ] = np.nan
     quantity_names = [name for name in quantity_names_shown_in("report") if name in load_tables[0]]
-    return MeasuredReportValues(
+    return ReportValuesOfMeasuredSurfaces(
         axes=grid.axes,
         loads=grid.loads,
         motions=grid.motions,
@@ -186,7 +186,7 @@ STATUSES_OF_GENERATED_SURFACES = (
 
 
 @dataclass(frozen=True, eq=False)
-class GeneratedReportValues:
+class ReportValuesOfGeneratedSurfaces:
     """Friction and contact quantities in a report on generated surfaces, at all loads, mu0 and tau0.
 
     The first axes of the arrays are fractal dimension, amplitude, sliding rule, direction, load, mu0 and tau0. The last
@@ -246,7 +246,7 @@ def get_validity_limit(name: str) -> float:
     return MAX_AFFECTED_FRACTION if QUANTITIES[name].percent else MAX_OVERLAP_RADIUS_RATIO
 
 
-def evaluate_generated_report(grid: ReportGrid, num_members: int) -> GeneratedReportValues:
+def evaluate_generated_report(grid: ReportGrid, num_members: int) -> ReportValuesOfGeneratedSurfaces:
     """Evaluate friction and contact quantities of generated surfaces at all loads, mu0 and tau0 of a report.
 
     `num_members` is the number of solved members.
@@ -272,7 +272,7 @@ def evaluate_generated_report(grid: ReportGrid, num_members: int) -> GeneratedRe
     for code, (name, _) in enumerate(STATUSES_OF_GENERATED_SURFACES):
         if name != friction.STATUS_OK:
             status_codes[statuses == name] = code
-    return GeneratedReportValues(
+    return ReportValuesOfGeneratedSurfaces(
         grid.axes,
         estimates,
         means,
@@ -280,12 +280,12 @@ def evaluate_generated_report(grid: ReportGrid, num_members: int) -> GeneratedRe
         (status_codes == 0) & ~np.logical_or.reduce([np.zeros(shape, bool), *is_beyond_limit.values()]),
         checked_numbers,
         *assess_ensemble_points(
-            study, statuses[:, :, rule_index], checked_numbers, _find_unloaded(table, statuses[:, :, rule_index])
+            study, statuses[:, :, rule_index], checked_numbers, _find_unloaded_points(table, statuses[:, :, rule_index])
         ),
     )
 
 
-def _find_unloaded(table: xarray.Dataset, statuses: NDArray[Any]) -> NDArray[np.bool_]:
+def _find_unloaded_points(table: xarray.Dataset, statuses: NDArray[Any]) -> NDArray[np.bool_]:
     """Return a mask of the result points at which the load is negligible compared with the pull-off force."""
     if "pull_off" not in table:
         return np.zeros(statuses.shape, np.bool_)

@@ -43,7 +43,7 @@ _MIN_PEAK_MOMENT_FRACTION = 0.1
 _MIN_REPORTED_DISPERSION = 2.0
 
 # Units in printed tables. The key is the unit in JSON.
-_UNIT_SYMBOLS = {"1": "", "um2": " µm²", "1/um": " 1/µm", "1/um2": " 1/µm²", "degrees": "°"}
+_PRINTED_UNITS_BY_JSON_UNIT = {"1": "", "um2": " µm²", "1/um": " 1/µm", "1/um2": " 1/µm²", "degrees": "°"}
 # Units in JSON that `_json_unit` does not derive from the printed unit: dimensionless parameters have the unit "1".
 _JSON_UNIT_EXCEPTIONS = {"": "1"}
 
@@ -157,7 +157,7 @@ class CharacterisationTable:
             is_detail=name not in HEADLINE_PARAMETERS
         )
         if name in ("Pdq", "Sdq"):
-            neighbours_entry = Estimate(self.scan.neighbour_slope, name=f"{name}_neighbours")
+            neighbours_entry = Estimate(self.scan.rms_slope_between_neighbours, name=f"{name}_neighbours")
             text = f"{row.texts[0]} (seven points), {neighbours_entry.value:.4g} (neighbours)"
             return TableRow(name, (text,), (*row.values, neighbours_entry))
         if name == "Std":
@@ -498,7 +498,7 @@ def _filter_values(result: SectionParameters) -> tuple[Estimate, ...]:
 def _parameter_table_row(
     name: str, value: float, unit: str = "1", *, label: str = "", label_suffix: str = ""
 ) -> TableRow:
-    text = length_text(value) if unit == "um" else f"{value:.4g}{_UNIT_SYMBOLS[unit]}"
+    text = length_text(value) if unit == "um" else f"{value:.4g}{_PRINTED_UNITS_BY_JSON_UNIT[unit]}"
     if math.isnan(value):
         text = "none"
     status = "none" if math.isnan(value) else STATUS_OK

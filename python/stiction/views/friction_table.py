@@ -13,7 +13,7 @@ from stiction._number_format import format_with_unit
 from stiction.evaluate.point import SLIDING_RULE_ORDER
 from stiction.mechanics.quantities import STIFFNESS_PER_AREA_FACTOR, STIFFNESS_PER_AREA_UNIT, column_title_and_factor
 from stiction.summary.assessment import ASSESSMENTS_BY_SEVERITY
-from stiction.summary.friction_table import MAX_LAW_DEVIATION
+from stiction.summary.friction_table import MAX_DEVIATION_FROM_FITTED_LAW
 from stiction.views.layout import format_table, wrap_text
 from stiction.views.point import SLIDING_RULE_TITLES
 from stiction.views.spreadsheet import frame_to_csv
@@ -99,7 +99,7 @@ def friction_table_text(table: xarray.Dataset, rules: Sequence[str] = SLIDING_RU
             ]
         )
     lines.append(format_table(rows))
-    if max(float(table[f"{name}_deviation"].max()) for name in ("area", "stiffness")) > MAX_LAW_DEVIATION:
+    if max(float(table[f"{name}_deviation"].max()) for name in ("area", "stiffness")) > MAX_DEVIATION_FROM_FITTED_LAW:
         lines += ["", wrap_text("Where a law deviates by more than 10 %, use the tabulated values instead.")]
     return "\n".join(lines) + "\n"
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
 
 # Tangential load, as a fraction of the sliding load, for which texts and tables state the slipping fraction.
-QUOTED_LOAD_FRACTION = 0.5
+QUOTED_TANGENTIAL_LOAD_FRACTION = 0.5
 # Amplitudes of cyclic tangential loads, as fractions of the sliding load.
 CYCLE_AMPLITUDES = (0.5, 0.9)
 
@@ -27,7 +27,7 @@ def onset_text(onset: OnsetSummary) -> str:
     displacement = onset.displacement_at_sliding.in_prefixed_unit()
     if math.isfinite(displacement.value):
         phrases.append(f"pre-sliding displacement {displacement.text()} {displacement.unit}")
-    slipped_area = onset.curve[QUOTED_LOAD_FRACTION].slipped_area
+    slipped_area = onset.curve[QUOTED_TANGENTIAL_LOAD_FRACTION].slipped_area
     phrases.append(f"{slipped_area.in_unit('%', 0.01).text()} % of the contact slips at half the sliding load")
     stiffness = onset.stiffness.in_prefixed_unit()
     if math.isfinite(stiffness.value):
@@ -45,7 +45,7 @@ def onset_rows(onset: OnsetSummary) -> list[list[str]]:
     stiffness = onset.stiffness.in_prefixed_unit()
     unloading_stiffness = onset.unloading_stiffness.in_prefixed_unit()
     unloading_label = "normal stiffness during unloading, as measured by ultrasound"
-    half_load_point = onset.curve[QUOTED_LOAD_FRACTION]
+    half_load_point = onset.curve[QUOTED_TANGENTIAL_LOAD_FRACTION]
     estimates = {
         "sliding load (mN)": onset.sliding_load,
         f"pre-sliding displacement ({displacement.unit})": displacement,

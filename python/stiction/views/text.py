@@ -60,7 +60,7 @@ if TYPE_CHECKING:
     from stiction.summary.evaluation import Evaluation
 
 # Grooves are reported if friction along the two axes differs by at least this fraction.
-MIN_STATED_GROOVE_EFFECT = 0.01
+MIN_STATED_GROOVE_FRICTION_DIFFERENCE = 0.01
 MAX_PRINTED_POINTS = 15
 
 
@@ -425,8 +425,8 @@ def _grooves_text(by_axis: Mapping[float, Estimate]) -> str:
     if not highest_coefficient.lower > lowest_coefficient.upper:
         return "No grooves: the axes differ by less than their intervals."
     increase = highest_coefficient.value / lowest_coefficient.value - 1
-    if increase < MIN_STATED_GROOVE_EFFECT:
-        return f"No grooves: the axes differ by less than {format_percent(MIN_STATED_GROOVE_EFFECT)}."
+    if increase < MIN_STATED_GROOVE_FRICTION_DIFFERENCE:
+        return f"No grooves: the axes differ by less than {format_percent(MIN_STATED_GROOVE_FRICTION_DIFFERENCE)}."
     return (
         f"Grooves: friction along {_axis_label(highest_axis)} is {format_significant(100 * increase)} % higher "
         f"than along {_axis_label(lowest_axis)}."

@@ -222,7 +222,7 @@ def contacts_and_pressure_figure(
     figure = new_figure(144 if has_pressure else 86)
     panels = figure.subplots(2 if has_pressure else 1, 1, squeeze=False)[:, 0]
     axes = panels[0]
-    draw_height_map(figure, axes, picture["lower_height"].values, map_extent(picture, "height"))
+    draw_height_map(figure, axes, picture["lower_height"].values, picture_extent(picture, "height"))
     is_opposing = find_opposing_contacts(picture, direction)
     x, y = picture["contact_x"].values, picture["contact_y"].values
     marker_areas = np.maximum(_MAX_MARKER_AREA * force / force.max(initial=1e-300), 3.0)
@@ -246,10 +246,10 @@ def contacts_and_pressure_figure(
     )
     caption = f"{_count_text(force.size)} at {format_with_unit(float(picture.attrs['load_mN']), 'mN')}"
     axes.set_title("\n".join(filter(None, (title, caption, displacement_caption))), loc="left", fontsize=6, pad=3)
-    add_scale_bar(axes, map_extent(picture, "height"), fontsize=6)
+    add_scale_bar(axes, picture_extent(picture, "height"), fontsize=6)
     if has_pressure:
         _draw_pressure_panel(figure, panels[1], picture, hardness)
-        draw_zoom_border(axes, map_extent(picture, "zoom"))
+        draw_zoom_border(axes, picture_extent(picture, "zoom"))
     figure.legend(
         *axes.get_legend_handles_labels(),
         loc="outside lower center",
@@ -294,7 +294,7 @@ def draw_zoom_border(axes: Axes, box: tuple[float, float, float, float]) -> None
         axes.plot([left, right, right, left, left], [bottom, bottom, top, top, bottom], color=colour, linewidth=width)
 
 
-def map_extent(picture: xarray.Dataset, name: str) -> tuple[float, float, float, float]:
+def picture_extent(picture: xarray.Dataset, name: str) -> tuple[float, float, float, float]:
     """Return the coordinates (µm) of the sides of a map: left, right, bottom, top."""
     extent: list[float] = []
     for axis in ("x", "y"):
@@ -305,7 +305,7 @@ def map_extent(picture: xarray.Dataset, name: str) -> tuple[float, float, float,
 
 def _draw_pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, hardness: float | None) -> None:
     pressure = picture["zoom_pressure"].values
-    box = map_extent(picture, "zoom")
+    box = picture_extent(picture, "zoom")
     axes.imshow(picture["zoom_height"].values, extent=box, origin="lower", cmap="gray", alpha=0.6)
     image = axes.imshow(
         np.where(pressure > 0, pressure, np.nan), extent=box, origin="lower", cmap=PRESSURE_COLOUR_MAP, vmin=0,
@@ -364,7 +364,7 @@ def _draw_contact_map(
     heights, contact_indices = (
         picture[name].transpose("height_y", "height_x").values for name in ("lower_height", "patch")
     )
-    image_options: dict[str, Any] = {"extent": map_extent(picture, "height"), "origin": "lower"}
+    image_options: dict[str, Any] = {"extent": picture_extent(picture, "height"), "origin": "lower"}
     axes.imshow(heights, cmap=HEIGHT_COLOUR_MAP, **image_options)
     contact_kinds = np.append(np.nan, is_opposing)[contact_indices]
     axes.imshow(

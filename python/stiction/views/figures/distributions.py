@@ -131,7 +131,7 @@ def _find_polar_angle_of_labels(degrees: Floats) -> float:
     return float(candidates[distances.argmax()])
 
 
-def positions_figure(point: xarray.Dataset, *, title: str = "") -> Figure:
+def friction_by_position_figure(point: xarray.Dataset, *, title: str = "") -> Figure:
     """Draw a figure 80 mm wide: friction of each member (for example each position) in each direction of motion.
 
     `point` comes from `evaluate_positions`. Members of a single traverse are drawn against the offset, other members in

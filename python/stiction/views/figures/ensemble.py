@@ -259,7 +259,7 @@ def _draw_friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: flo
     is_finite = np.isfinite(coefficients)
     # A cell with the coefficient 0, which has no logarithm, gets the lowest colour of the scale.
     colours = colormaps[FRICTION_COLOUR_MAP](norm(np.where(is_finite, np.maximum(coefficients, norm.vmin), norm.vmin)))
-    colours[..., :3] = _fade_colours(colours[..., :3], _compute_fading(friction))
+    colours[..., :3] = _fade_colours(colours[..., :3], _compute_cell_fading(friction))
     colours[..., 3] = is_finite
     colours[status == STATUS_SELF_LOCKED] = (*to_rgb(SELF_LOCKED_COLOUR), 1)
     axes.pcolormesh(*edges, colours)
@@ -302,7 +302,7 @@ _INVALID_CELL_STYLE: dict[str, Any] = {"facecolor": "none", "edgecolor": "white"
 """Style of cells in which the model is not valid: hatching with thin lines, between which the colour is visible."""
 
 
-def _compute_fading(friction_with_limits: Floats) -> Floats:
+def _compute_cell_fading(friction_with_limits: Floats) -> Floats:
     """Return how much each chart cell is faded: from 0 for a narrow interval to `MAX_FADING` for a wide interval.
 
     The width is divided by the coefficient.
@@ -337,7 +337,7 @@ def _legend_handles(maps: xarray.Dataset, *, has_asperities: bool) -> list[Any]:
         # The hatching in the legend is denser than in the chart, because a legend patch is small.
         legend_style = {"facecolor": tuple(example_colour), "hatch": 2 * _INVALID_CELL_STYLE["hatch"]}
         handles.append(Patch(**_INVALID_CELL_STYLE | legend_style, label=invalid_label))
-    fading = _compute_fading(maps["friction_coefficient"].transpose(..., "statistic").values)
+    fading = _compute_cell_fading(maps["friction_coefficient"].transpose(..., "statistic").values)
     if (fading[~(find_fraction_beyond_hertz(maps) > MAX_AFFECTED_FRACTION)] > 0.1).any():
         handles.append(
             Patch(

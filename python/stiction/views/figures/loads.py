@@ -119,14 +119,14 @@ def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
             markersize=5,
             label="pull-off force",
         )
-        axes.set(xlim=_pad_range(x[is_visible]), xlabel=x_label)
-    panels[0].set(ylim=_pad_range(load[is_visible] / prefix_factor), ylabel=f"load ({unit})")
+        axes.set(xlim=_add_margins_to_range(x[is_visible]), xlabel=x_label)
+    panels[0].set(ylim=_add_margins_to_range(load[is_visible] / prefix_factor), ylabel=f"load ({unit})")
     figure.suptitle(title, fontsize=6)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
 
 
-def _pad_range(values: Floats) -> tuple[float, float]:
+def _add_margins_to_range(values: Floats) -> tuple[float, float]:
     lowest_value, highest_value = float(values.min()), float(values.max())
     margin = 0.06 * (highest_value - lowest_value) or 1.0
     return lowest_value - margin, highest_value + margin
@@ -231,7 +231,7 @@ def _friction_and_area_figure(
             friction_axes.fill_between(x, lower_limits, upper_limits, color=colour, alpha=0.2, linewidth=0)
         friction_axes.plot(x, mean, "o-", color=colour, linewidth=1, markersize=2, label=SLIDING_RULE_LABELS[rule])
         _draw_single_directions(friction_axes, dataset, x, colour)
-    _mark_incomplete_points(friction_axes, points, dimension, x)
+    _mark_points_with_missing_coefficients(friction_axes, points, dimension, x)
     has_fraction = "contact_area_fraction" in points
     area = 100 * points["contact_area_fraction"] if has_fraction else points["contact_area"]
     mean, lower_limits, upper_limits = (area.sel(statistic=name).values for name in MEAN_AND_LIMITS)
@@ -287,7 +287,7 @@ def _draw_single_directions(axes: Axes, dataset: xarray.Dataset, x: Floats, colo
         axes.plot(x, mean, line_style, color=colour, linewidth=0.6, label=name)
 
 
-def _mark_incomplete_points(axes: Axes, points: xarray.Dataset, dimension: str, x: Floats) -> None:
+def _mark_points_with_missing_coefficients(axes: Axes, points: xarray.Dataset, dimension: str, x: Floats) -> None:
     """Mark the points of a curve for which some surface pairs have no coefficient."""
     if not {"ok", "members"} <= set(points.variables):
         return

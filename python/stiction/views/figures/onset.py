@@ -20,7 +20,7 @@ from stiction.companions.contact_picture import MIN_ZOOM_SIDE_POINTS, ZOOM_FACTO
 from stiction.evaluate.point import MEAN_AND_LIMITS
 from stiction.study.study import Study
 from stiction.summary.assessment import MAX_AFFECTED_FRACTION
-from stiction.views.figures.contact import draw_height_map, draw_zoom_border, label_map_axes, map_extent
+from stiction.views.figures.contact import draw_height_map, draw_zoom_border, label_map_axes, picture_extent
 from stiction.views.figures.ensemble import (
     HEADING_HEIGHT,
     create_figure_with_axes_rows,
@@ -149,7 +149,7 @@ def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     panels = figure.subplots(2 if has_point_map else 1, 1, squeeze=False)[:, 0]
     colours = mpl.colormaps[SLIP_COLOUR_MAP]
     colour_norm = BoundaryNorm([0.0, *onset["fraction"].values], colours.N)
-    full_extent = map_extent(onset, "slip")
+    full_extent = picture_extent(onset, "slip")
     draw_height_map(figure, panels[0], onset["lower_height"].values, full_extent)
     add_scale_bar(panels[0], full_extent, fontsize=6)
     if has_point_map:
@@ -203,7 +203,7 @@ def _densest_contact_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice],
         slice(start := int(np.clip(centre - width // 2, 0, length - width)), start + width)
         for centre, width, length in zip(densest_index, window_shape, is_contact.shape, strict=True)
     )
-    return (rows, columns), map_extent(onset.isel(slip_y=rows, slip_x=columns), "slip")
+    return (rows, columns), picture_extent(onset.isel(slip_y=rows, slip_x=columns), "slip")
 
 
 def _sum_with_triangular_weights(counts: NDArray[np.int64], width: int, axis: int) -> NDArray[np.int64]:

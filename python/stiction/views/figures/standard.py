@@ -29,7 +29,7 @@ from stiction.summary.figure_values import (
     generate_bodies_by_length_scale,
     generate_profiles,
     iterate_motions,
-    omit_meaningless_area,
+    remove_undefined_nominal_area,
 )
 from stiction.views.figures.budget import dwell_time_figure, uncertainty_budget_figure
 from stiction.views.figures.contact import contact_forces_figure, contacts_and_pressure_figure
@@ -37,7 +37,7 @@ from stiction.views.figures.distributions import (
     MIN_COMPASS_DIRECTIONS,
     contact_sizes_figure,
     friction_by_direction_figure,
-    positions_figure,
+    friction_by_position_figure,
 )
 from stiction.views.figures.ensemble import area_figure, friction_figure, length_scales_figure, profiles_figure
 from stiction.views.figures.height_scale import height_scale_figure
@@ -191,7 +191,7 @@ def _measured_surface_figures(
         suffix = "" if number == 1 else f"-{number}"
         selection = unfiltered_points.isel(mu0=mu0_index, tau0=tau0_index)
         dataset = selection.sel(load=first_load, method="nearest")
-        points_over_load = omit_meaningless_area(selection, study)
+        points_over_load = remove_undefined_nominal_area(selection, study)
         yield f"friction{suffix}", partial(friction_by_load_figure, points_over_load, study_loads, title=title)
         if points.sizes.get("direction", 1) >= MIN_COMPASS_DIRECTIONS:
             yield f"compass{suffix}", partial(friction_by_direction_figure, dataset, title=title)
@@ -234,7 +234,7 @@ def _cut_off_figure(result: Evaluation, mu0_index: int, tau0_index: int, *, titl
 
 
 def _positions_figure(result: Evaluation, point: xarray.Dataset, *, title: str) -> Figure:
-    return positions_figure(evaluate_positions(result, point), title=title)
+    return friction_by_position_figure(evaluate_positions(result, point), title=title)
 
 
 def _height_factor_figure(

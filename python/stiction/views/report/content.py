@@ -13,7 +13,7 @@ from stiction.evaluate.intervals import CONFIDENCE_LEVEL
 from stiction.mechanics import friction
 from stiction.study.study import Study
 from stiction.summary.assessment import MAX_AFFECTED_FRACTION, STATUS_EXPLANATIONS
-from stiction.summary.report_data import GeneratedReportData, MeasuredReportData
+from stiction.summary.report_data import ReportDataOfGeneratedSurfaces, ReportDataOfMeasuredSurfaces
 from stiction.summary.report_grid import ParameterAxis
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.report.tables import QuantityEstimates, ReportArray
@@ -67,8 +67,8 @@ BEYOND_MODEL_TEXT = (
 )
 
 
-def common_facts(
-    data: MeasuredReportData | GeneratedReportData, axes: tuple[ParameterAxis, ParameterAxis] | None
+def common_script_data(
+    data: ReportDataOfMeasuredSurfaces | ReportDataOfGeneratedSurfaces, axes: tuple[ParameterAxis, ParameterAxis] | None
 ) -> dict[str, Any]:
     """Return the data that the scripts of every report need, such as sliders, labels, statuses and limits.
 
@@ -83,12 +83,12 @@ def common_facts(
             name: {"short": short_label, "why": STATUS_EXPLANATIONS.get(name, ("",))[0]}
             for name, short_label in STATUS_LABELS.items()
         },
-        "strength": _strength_limit(modulus), "beyondModel": BEYOND_MODEL_TEXT,
+        "strength": _shear_strength_limit(modulus), "beyondModel": BEYOND_MODEL_TEXT,
         "rules": data.rules, "directions": data.directions,
     }  # fmt: skip
 
 
-def _strength_limit(modulus: float) -> dict[str, Any]:
+def _shear_strength_limit(modulus: float) -> dict[str, Any]:
     """Return the limit of plausible tau0 (MPa), and the notice that a report shows above this limit."""
     ratio = friction.MAX_SHEAR_STRENGTH_RATIO
     text = f"τ0 is above {format_percent(ratio)} of the effective modulus, {format_with_unit(ratio * modulus, 'GPa')}."

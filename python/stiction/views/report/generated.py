@@ -15,23 +15,23 @@ from stiction.mechanics.quantities import QUANTITIES
 from stiction.study.member_names import REPETITION_NAMES
 from stiction.study.study import Study
 from stiction.summary.assessment import Caveat, LimitCheck
-from stiction.summary.report_data import GeneratedReportData
+from stiction.summary.report_data import ReportDataOfGeneratedSurfaces
 from stiction.summary.report_values import (
     QUANTITIES_BY_PANEL,
     STATUSES_OF_GENERATED_SURFACES,
-    GeneratedReportValues,
+    ReportValuesOfGeneratedSurfaces,
     get_validity_limit,
 )
 from stiction.views.point import coordinate_text, motion_direction_text
 from stiction.views.quantities import quantity_label
-from stiction.views.report.content import ReportContent, common_facts
+from stiction.views.report.content import ReportContent, common_script_data
 from stiction.views.report.page import escape_html, format_count
 from stiction.views.report.tables import QUANTITY_DIGITS, EstimateArray, NumberArray, ReportArray
 from stiction.views.style import COLOUR_RANGE_QUANTILES
 
 
 def generated_report_content(
-    data: GeneratedReportData, values: GeneratedReportValues | None, name: str
+    data: ReportDataOfGeneratedSurfaces, values: ReportValuesOfGeneratedSurfaces | None, name: str
 ) -> ReportContent:
     """Return the title, texts and script data of a report on generated surfaces.
 
@@ -40,13 +40,17 @@ def generated_report_content(
     `values` is None if no pair is in contact.
     """
     name = name or data.description.name
-    facts = common_facts(data, None if values is None else values.axes)
-    facts |= _page_facts(data) | {"name": name, "repetitions": data.num_solved, "hasIntervals": data.num_solved > 1}
+    facts = common_script_data(data, None if values is None else values.axes)
+    facts |= _page_script_data(data) | {
+        "name": name,
+        "repetitions": data.num_solved,
+        "hasIntervals": data.num_solved > 1,
+    }
     facts |= {"kinds": [REPETITION_NAMES.plural], "combined": [True], "points": [], "asked": []}
     arrays: dict[str, ReportArray] = {}
     if values is not None:
         colour_ranges = _compute_colour_ranges(values)
-        facts |= _value_facts(values, data.study) | {"maps": list(colour_ranges)}
+        facts |= _value_script_data(values, data.study) | {"maps": list(colour_ranges)}
         arrays |= _create_report_arrays(values)
         for quantity_name, ends in colour_ranges.items():
             for end, limit_values in zip(("low", "high"), ends, strict=True):
@@ -61,7 +65,7 @@ def generated_report_content(
     )
 
 
-def _page_facts(data: GeneratedReportData) -> dict[str, Any]:
+def _page_script_data(data: ReportDataOfGeneratedSurfaces) -> dict[str, Any]:
     study, loads = data.study, data.loads
     surfaces: Any = study.surfaces
     convention = " (classical)" if surfaces.convention == "classical" else ""
@@ -92,7 +96,7 @@ def _page_facts(data: GeneratedReportData) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _value_facts(values: GeneratedReportValues, study: Study) -> dict[str, Any]:
+def _value_script_data(values: ReportValuesOfGeneratedSurfaces, study: Study) -> dict[str, Any]:
     return {
         "statuses": [
             {"name": name, "hasValue": name in friction.STATUSES_WITH_COEFFICIENT, "isTrusted": is_trusted}
@@ -108,7 +112,7 @@ def _value_facts(values: GeneratedReportValues, study: Study) -> dict[str, Any]:
     }
 
 
-def _create_report_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
+def _create_report_arrays(values: ReportValuesOfGeneratedSurfaces) -> dict[str, ReportArray]:
     """Return the arrays that the page stores: friction, other quantities, statuses, and assessments."""
     arrays: dict[str, ReportArray] = {"friction": EstimateArray(values.estimates["friction"])}
     for panel, estimates in values.estimates.items():
@@ -128,7 +132,7 @@ def _create_report_arrays(values: GeneratedReportValues) -> dict[str, ReportArra
     return arrays | _caveat_number_arrays(values)
 
 
-def _caveat_number_arrays(values: GeneratedReportValues) -> dict[str, ReportArray]:
+def _caveat_number_arrays(values: ReportValuesOfGeneratedSurfaces) -> dict[str, ReportArray]:
     """Return one array per number in caveat texts, with NaN at result points whose caveats lack the number."""
     assessments_by_number: dict[tuple[str, str], list[int]] = {}
     for index, caveats in enumerate(values.caveat_sets):
@@ -165,7 +169,7 @@ def _relative_half_widths(points: Floats) -> Floats:
         return np.asarray((points[..., 2] - points[..., 1]) / (2 * np.abs(points[..., 0])))
 
 
-def _compute_colour_ranges(values: GeneratedReportValues) -> dict[str, tuple[Floats, Floats]]:
+def _compute_colour_ranges(values: ReportValuesOfGeneratedSurfaces) -> dict[str, tuple[Floats, Floats]]:
     """Return the limits of the colour scale for each quantity that has positive values.
 
     The axes of the arrays are amplitude, rule, motion, mu0 and tau0.
@@ -185,7 +189,7 @@ def _compute_colour_ranges(values: GeneratedReportValues) -> dict[str, tuple[Flo
     return ranges
 
 
-def _choose_initial_cell_and_load(values: GeneratedReportValues, study: Study) -> dict[str, int]:
+def _choose_initial_cell_and_load(values: ReportValuesOfGeneratedSurfaces, study: Study) -> dict[str, int]:
     """Return the indices of the surface and the load with the narrowest relative interval, which a page shows first."""
     is_valid, points = values.is_valid, values.estimates["friction"]
     strengths = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
@@ -220,7 +224,7 @@ def _changed_settings_markup(changed_settings: Sequence[tuple[str, str]]) -> str
     return f"<p>The defaults, but</p><ul>{lines}</ul>"
 
 
-def _heading_lines(data: GeneratedReportData) -> list[str]:
+def _heading_lines(data: ReportDataOfGeneratedSurfaces) -> list[str]:
     study = data.study
     surfaces: Any = study.surfaces
     contact: Any = study.contact
@@ -236,7 +240,7 @@ def _heading_lines(data: GeneratedReportData) -> list[str]:
     ]
 
 
-def _describe_members(data: GeneratedReportData) -> str:
+def _describe_members(data: ReportDataOfGeneratedSurfaces) -> str:
     num_dimensions, num_amplitudes, num_steps = data.dimensions.size, data.amplitudes.size, data.num_steps
     repetitions_text = data.study.member_names.with_count(data.num_solved)
     cells_text = f"{'each of ' if num_dimensions > 1 else ''}{format_count(num_dimensions, 'fractal dimension')}"

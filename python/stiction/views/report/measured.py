@@ -12,8 +12,8 @@ from stiction._text import printable_text
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES, STIFFNESS_PER_AREA_QUANTITIES
 from stiction.study.member_names import POSITION_NAMES, SURROGATE_PAIR_NAMES
-from stiction.summary.report_data import MAX_DESCRIBED_FILE_READINGS, BodyHistory, MeasuredReportData
-from stiction.summary.report_values import STATUSES_BY_CODE, MeasuredReportValues, is_shown_in_report
+from stiction.summary.report_data import MAX_DESCRIBED_FILE_READINGS, BodyHistory, ReportDataOfMeasuredSurfaces
+from stiction.summary.report_values import STATUSES_BY_CODE, ReportValuesOfMeasuredSurfaces, is_shown_in_report
 from stiction.summary.summary import PointSummary, Summary
 from stiction.views.assessment import most_useful_measurement_text
 from stiction.views.onset import onset_note, onset_text
@@ -29,7 +29,7 @@ from stiction.views.point import (
 )
 from stiction.views.pull_off import pull_off_text
 from stiction.views.quantities import quantity_label
-from stiction.views.report.content import ReportContent, common_facts
+from stiction.views.report.content import ReportContent, common_script_data
 from stiction.views.report.page import MAX_SHOWN_LINE_LENGTH, escape_html
 from stiction.views.report.reading import LISTED_READING_OPTIONS, file_reading_table
 from stiction.views.report.tables import EstimateArray, QuantityEstimates, ReportArray
@@ -46,7 +46,9 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
 
 
-def measured_report_content(data: MeasuredReportData, values: MeasuredReportValues, name: str) -> ReportContent:
+def measured_report_content(
+    data: ReportDataOfMeasuredSurfaces, values: ReportValuesOfMeasuredSurfaces, name: str
+) -> ReportContent:
     """Return the title, texts and script data of a report on measured surfaces.
 
     The title contains the file names.
@@ -56,7 +58,7 @@ def measured_report_content(data: MeasuredReportData, values: MeasuredReportValu
     histories = [_history_markup(side, history) for side, history in data.bodies.items()]
     return ReportContent(
         name=name,
-        facts=common_facts(data, values.axes) | _page_facts(data, values) | {"name": name},
+        facts=common_script_data(data, values.axes) | _page_script_data(data, values) | {"name": name},
         arrays=_friction_arrays(values),
         quantities=_list_quantity_tables(data.study, values),
         members_text=f"{data.study.member_names.with_count(data.num_members)} of the two surfaces",
@@ -68,7 +70,7 @@ def measured_report_content(data: MeasuredReportData, values: MeasuredReportValu
 _MEMBER_KIND_TEXTS = {"shifts": POSITION_NAMES.plural, "surrogates": SURROGATE_PAIR_NAMES.plural}
 
 
-def _page_facts(data: MeasuredReportData, values: MeasuredReportValues) -> dict[str, Any]:
+def _page_script_data(data: ReportDataOfMeasuredSurfaces, values: ReportValuesOfMeasuredSurfaces) -> dict[str, Any]:
     study, summary, area = data.study, data.summary, data.nominal_area
     surfaces: Any = study.surfaces
     loads, angles = values.loads.tolist(), data.directions
@@ -145,7 +147,7 @@ The keys specify whether the study has a nominal area.
 """
 
 
-def _friction_arrays(values: MeasuredReportValues) -> dict[str, ReportArray]:
+def _friction_arrays(values: ReportValuesOfMeasuredSurfaces) -> dict[str, ReportArray]:
     """Return the arrays that the page stores: coefficients, intervals and statuses for all loads, mu0 and tau0.
 
     Coefficients without an interval are printed with the decimals of the mean over directions.
@@ -172,7 +174,7 @@ def _summary_markup(summary: Summary) -> str:
     return "".join(f"<p>{escape_html(line)}</p>" for line in lines)
 
 
-def _heading_lines(data: MeasuredReportData) -> list[str]:
+def _heading_lines(data: ReportDataOfMeasuredSurfaces) -> list[str]:
     study, area = data.study, data.nominal_area
     surfaces: Any = study.surfaces
     hardness = study.contact.hardness
@@ -208,7 +210,7 @@ def _history_markup(side: str, history: BodyHistory) -> str:
     return file_text + (f"<ul>{lines}</ul>" if lines else "") + readings
 
 
-def _list_quantity_tables(study: Study, values: MeasuredReportValues) -> list[QuantityEstimates]:
+def _list_quantity_tables(study: Study, values: ReportValuesOfMeasuredSurfaces) -> list[QuantityEstimates]:
     """Return the estimates of all quantities except friction that the report shows."""
     tables = []
     curve_panels = _CURVE_PANELS[study.has_nominal_area].values()

@@ -17,9 +17,9 @@ from matplotlib.figure import Figure
 from stiction._number_format import format_percent, format_with_unit
 from stiction.companions.resolution import ResolutionLimits
 from stiction.study.study import Study
-from stiction.summary.report_data import GeneratedReportData, MeasuredReportData
+from stiction.summary.report_data import ReportDataOfGeneratedSurfaces, ReportDataOfMeasuredSurfaces
 from stiction.views.figures.contact import contact_forces_figure, contact_map_figure
-from stiction.views.figures.distributions import positions_figure
+from stiction.views.figures.distributions import friction_by_position_figure
 from stiction.views.figures.height_scale import height_scale_figure
 from stiction.views.figures.loads import adhesion_figure, cut_off_figure
 from stiction.views.figures.onset import contains_slip_map, onset_by_dimension_figure, onset_figure, slip_figure
@@ -62,7 +62,7 @@ class FigurePanel:
 # ---- Generated surfaces ----------------------------------------------------------------------------------------------
 
 
-def draw_panels(data: MeasuredReportData | GeneratedReportData) -> dict[bool, str]:
+def draw_panels(data: ReportDataOfMeasuredSurfaces | ReportDataOfGeneratedSurfaces) -> dict[bool, str]:
     """Draw the figures of a report, and return a dictionary with the HTML of its panels.
 
     The key True stands for the main panels, and the key False for all other panels.
@@ -73,12 +73,14 @@ def draw_panels(data: MeasuredReportData | GeneratedReportData) -> dict[bool, st
     }
 
 
-def list_panels(data: MeasuredReportData | GeneratedReportData) -> list[FigurePanel]:
+def list_panels(data: ReportDataOfMeasuredSurfaces | ReportDataOfGeneratedSurfaces) -> list[FigurePanel]:
     """Return one panel for each figure that can be drawn from the data of a report."""
-    return _list_measured_panels(data) if isinstance(data, MeasuredReportData) else _list_generated_panels(data)
+    return (
+        _list_measured_panels(data) if isinstance(data, ReportDataOfMeasuredSurfaces) else _list_generated_panels(data)
+    )
 
 
-def _list_generated_panels(data: GeneratedReportData) -> list[FigurePanel]:
+def _list_generated_panels(data: ReportDataOfGeneratedSurfaces) -> list[FigurePanel]:
     panels = []
     if data.contact_forces is not None:
         panels.append(_contact_forces_panel(data.contact_forces))
@@ -116,7 +118,7 @@ def _onset_by_dimension_panel(points: xarray.Dataset, study: Study) -> FigurePan
 # ---- Measured surfaces -----------------------------------------------------------------------------------------------
 
 
-def _list_measured_panels(data: MeasuredReportData) -> list[FigurePanel]:
+def _list_measured_panels(data: ReportDataOfMeasuredSurfaces) -> list[FigurePanel]:
     title, panels = format_print_title(data.description.name), []
     if data.contact_picture is not None:
         panels.append(_contact_panel(data.contact_picture, data.directions[0], data.num_opposing_contacts))
@@ -158,7 +160,7 @@ def _members_panel(point: xarray.Dataset, study: Study, title: str) -> FigurePan
         f"Single {plural}",
         f"Friction coefficient for each {singular} and direction.",
         "At the first load, μ0 and τ0 of the study; the sliders do not change this figure.",
-        partial(positions_figure, point, title=title),
+        partial(friction_by_position_figure, point, title=title),
     )
 
 

@@ -18,9 +18,9 @@ from stiction.evaluate.intervals import CONFIDENCE_LEVEL
 from stiction.solve.executors import evaluate_in_copy
 from stiction.summary.evaluation import Evaluation
 from stiction.summary.report_data import (
-    GeneratedReportData,
-    MeasuredReportData,
     ReportData,
+    ReportDataOfGeneratedSurfaces,
+    ReportDataOfMeasuredSurfaces,
     collect_report_data,
     count_coefficients,
     evaluate_generated_values,
@@ -127,12 +127,12 @@ def evaluate_report(
         yield partial(_draw_report, collect_data_once, get_content)
 
 
-_Data = MeasuredReportData | GeneratedReportData
+_AnyReportData = ReportDataOfMeasuredSurfaces | ReportDataOfGeneratedSurfaces
 _ComposedContent = tuple[ReportContent, dict[str, Any], PackedArrays]
 """Content of a page, data for the page scripts, and encoded arrays."""
 
 
-def _collect_data(result: Evaluation, picture: xarray.Dataset | None) -> _Data:
+def _collect_data(result: Evaluation, picture: xarray.Dataset | None) -> _AnyReportData:
     """Collect the data of a page, or raise a `ReportError` if the result is too large for a page."""
     _check_can_render(result)
     return collect_report_data(result, picture)
@@ -140,7 +140,7 @@ def _collect_data(result: Evaluation, picture: xarray.Dataset | None) -> _Data:
 
 @contextlib.contextmanager
 def _draw_report(
-    get_data: Callable[[], _Data], get_content: Callable[[], _ComposedContent]
+    get_data: Callable[[], _AnyReportData], get_content: Callable[[], _ComposedContent]
 ) -> Iterator[Callable[[], HtmlPage]]:
     """Draw the figures of a report in a forked process, and yield a function that returns the report."""
     # The module of `draw_panels` imports Matplotlib, so it is imported only here.
@@ -151,17 +151,17 @@ def _draw_report(
 
 
 def _build_page(
-    data: _Data, panel_markup: Mapping[bool, str], content: ReportContent, facts: dict[str, Any],
+    data: _AnyReportData, panel_markup: Mapping[bool, str], content: ReportContent, facts: dict[str, Any],
     packed_arrays: PackedArrays,
 ) -> HtmlPage:  # fmt: skip
     """Render a report from its data, drawn panels, content, script data, and encoded arrays."""
     return _render_page(data, content, panel_markup, script_markup(facts, packed_arrays.texts))
 
 
-def _compose_content(result: Evaluation, get_data: Callable[[], _Data], name: str) -> _ComposedContent:
+def _compose_content(result: Evaluation, get_data: Callable[[], _AnyReportData], name: str) -> _ComposedContent:
     """Evaluate a result, and return the page content, the data for the page scripts, and the encoded arrays."""
     data = get_data()
-    if isinstance(data, MeasuredReportData):
+    if isinstance(data, ReportDataOfMeasuredSurfaces):
         content = measured_report_content(data, evaluate_measured_values(result), name)
     else:
         content = generated_report_content(data, evaluate_generated_values(result), name)
@@ -189,7 +189,7 @@ def _check_can_render(result: Evaluation) -> None:
 
 
 def _render_page(
-    data: _Data, content: ReportContent, panel_markup: Mapping[bool, str], scripts: str
+    data: _AnyReportData, content: ReportContent, panel_markup: Mapping[bool, str], scripts: str
 ) -> HtmlPage:  # fmt: skip
     """Return a report page: the page template, filled with content, panels and scripts."""
     notices_markup = _incompleteness_notices(data, content.name)
