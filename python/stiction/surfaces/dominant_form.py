@@ -62,7 +62,7 @@ def measure_parabola_fraction(body: Surface) -> float:
     x, y = coordinates
     exponent_pairs = [(i, degree - i) for degree in range(5) for i in range(degree + 1)]
     design_matrix = np.stack([x**i * y**j for i, j in exponent_pairs], axis=1)
-    # Columns 0 to 2 of the orthogonal basis describe a plane, 3 to 5 a parabola, the others cubic and quartic terms.
+    # Columns 0 to 2 of the orthogonal basis describe a plane, 3 to 5 a parabola, all others cubic and quartic terms.
     basis, _ = np.linalg.qr(design_matrix)
     mean_squares = np.square(basis.T @ heights) / heights.size
     parabola, higher_terms = mean_squares[3:6].sum(), mean_squares[6:].sum()

@@ -121,7 +121,7 @@ def filtered(
 
 
 def validate_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: float) -> float:
-    """Check that a cutoff (µm) lies between half the spacing and `longest` times the shortest side of a body.
+    """Check that a cutoff (µm) is between half the grid spacing and `longest` times the shortest side of a body.
 
     Returns the cutoff.
     """
@@ -257,7 +257,7 @@ def _divide_by_weights(sums: Floats, weights: Floats, heights: Floats) -> Floats
 
 
 def _reshape_along_axis(values: Any, axis: int, ndim: int) -> Any:
-    """Reshape a list of numbers to an array with `ndim` axes, which has the length 1 along all axes except `axis`."""
+    """Reshape a list of numbers to an array with `ndim` axes; the numbers vary along `axis` only."""
     return np.reshape(values, [-1 if index == axis else 1 for index in range(ndim)])
 
 
@@ -294,7 +294,7 @@ class _FilterKernel:
         )[: half_width + 1]
 
     def compute_cyclic_weights(self, power: int) -> Floats:
-        """Return each weight times its distance (in cutoffs) to the power `power`, ordered for a cyclic convolution."""
+        """Return each filter weight times (distance / cutoff)^`power`, in the order for a cyclic convolution."""
         half_weights = self._weights * self._offset**power
         weights = np.zeros(self.padded_size)
         weights[: half_weights.size] = half_weights if power % 2 == 0 else -half_weights
@@ -329,7 +329,10 @@ def _fit_local_polynomials(
     heights: Floats, weights: Floats, cutoffs_in_points: Sequence[float], basis: Sequence[MonomialExponents],
     samples_weights: bool = False,
 ) -> Floats:  # fmt: skip
-    """Fit a polynomial around each point with Gaussian weights times `weights`, and return the fitted height there."""
+    """Fit a weighted polynomial around each point, and return the polynomial's height at the point.
+
+    The weights are Gaussian weights times `weights`.
+    """
     from scipy.fft import irfftn, rfft, rfftn
 
     kernels = [
@@ -374,7 +377,7 @@ def _solve_constant_terms(
     right_sides: list[Floats],
     heights: Floats,
 ) -> Floats:
-    """Solve the normal equations of all local polynomials for the constant terms, by Gaussian elimination.
+    """Solve the normal equations of each local polynomial by Gaussian elimination, and return the constant terms.
 
     Where the equations are singular, the result is the weighted mean of the heights. Where no measured point is within
     reach, the result is the height of the point.

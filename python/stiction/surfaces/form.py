@@ -68,7 +68,7 @@ def fit_round_form(
 
 
 def _compute_arc_heights(squared_distance: Floats, tangent_height: Floats, curvature: float, cosine: float) -> Floats:
-    """Return the heights of a tilted circular arc above the middle of the arc.
+    """Return the heights of points on a tilted circular arc, relative to the middle of the arc.
 
     Each point is specified by its squared distance from the middle, and by the height of the tangent of the middle at
     this point, which has the sign of the tilt. `cosine` is the cosine of the angle of tilt.

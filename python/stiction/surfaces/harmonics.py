@@ -96,7 +96,7 @@ def estimate_density_between_harmonics(density: Floats, count: Floats, distance:
 
 
 def _compute_median_between_harmonics(padded_density: Floats, harmonics: Floats, distance: float) -> Floats:
-    """Return the median density around each harmonic, except its peak, up to half the distance between harmonics."""
+    """Return the median density near each harmonic, up to half the harmonic distance, without the harmonic's peak."""
     bins = np.arange(padded_density.size)
     medians = []
     for harmonic in harmonics.tolist():

@@ -14,12 +14,12 @@ _EQUAL_DIFFERENCE_TOLERANCE = 1e-6
 _MIN_REPETITIONS = 5
 # If heights are rounded, at least this fraction of the second differences occurs repeatedly.
 _MIN_FRACTION_OF_REPEATED_DIFFERENCES = 0.5
-# Heights count as rounded only if at least this fraction of the second differences are multiples of a step.
-# A multiple may deviate from an integer by at most `_MULTIPLE_TOLERANCE`.
+# Heights count as rounded only if at least this fraction of the second differences are multiples of a rounding step.
+# The ratio of a multiple to the rounding step may deviate from an integer by at most `_MULTIPLE_TOLERANCE`.
 _MIN_FRACTION_OF_MULTIPLES, _MULTIPLE_TOLERANCE = 0.9, 0.05
-# Minimum fraction of multiples of the step, counted among nonzero second differences only.
+# Minimum fraction of multiples of the rounding step among the second differences that are not zero.
 # A difference of 0, as in a clipped map, is a multiple of any step, so it is no evidence of rounding.
-# Without rounding, 10 % of the second differences are within the tolerance of a multiple by chance.
+# Without rounding, 10 % of the second differences are close enough to a multiple of the step by chance.
 _MIN_FRACTION_OF_NONZERO_MULTIPLES = 0.5
 # Largest rounding step, as a fraction of the height range. Rounded heights must have at least four levels.
 _MAX_STEP_TO_HEIGHT_RANGE_RATIO = 1 / 3 + 1e-6

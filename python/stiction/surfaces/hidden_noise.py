@@ -38,7 +38,7 @@ _MAX_FITTED_NOISE_RATIO = 2.0
 
 @dataclass(frozen=True)
 class NoiseHiddenInSpectrum:
-    """White noise that a scan may contain although its spectrum shows no noise floor, and a suitable filter cutoff."""
+    """White noise that a scan may contain without a noise floor in its spectrum, and a suitable filter cutoff."""
 
     # Fraction of the mean square slope of a scan that is due to noise.
     slope_fraction: float

@@ -100,7 +100,7 @@ class PowerLawFit:
 
 
 def _fit_exponents(log_q: Floats, power: Floats) -> Floats:
-    """Return, for each row of weighted spectral powers, the exponent s of the power law P ∝ q^-s that fits best."""
+    """Return the exponent s of the best-fitting power law P ∝ q^-s for each row of weighted spectral powers."""
     exponents = np.zeros(len(power))
     # Indices of the spectra whose exponents have not converged yet.
     open_rows = np.arange(len(power))
@@ -326,7 +326,7 @@ def estimate_hurst_exponent(
     dispersion = max(1.0, bins.deviance(exponent, bins.count / variance_factor))
     fit = PowerLawFit(np.log(q), power, np.full(q.size, 1 / (variance_factor * dispersion)))
     smallest_exponent, largest_exponent = fit.exponent_interval(fit.min_loss + _CHI_SQUARED_QUANTILE_95 / 2)
-    # The interval of the Hurst exponent includes the uncertainty of the roll-off wavelength, which is fitted together.
+    # The interval of the Hurst exponent includes the uncertainty of the roll-off wavelength, which is fitted, too.
     if piece_bins is not None:
         piece_weight = piece_bins.count / (variance_factor * dispersion)
         log_q_rows, losses = _fit_roll_offs(piece_bins, piece_weight)
@@ -346,7 +346,7 @@ def estimate_hurst_exponent(
 
 
 def _select_profile_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Scale a profile to a largest height of 1, and return its wave numbers, powers and the largest height (µm)."""
+    """Normalize a profile by its largest height; return wave numbers, powers, and the largest height (µm)."""
     heights = profile.heights - profile.heights.mean()
     if not periodic:
         centred_index = np.arange(heights.size) - (heights.size - 1) / 2
@@ -365,7 +365,7 @@ def _select_profile_harmonics(profile: Profile, periodic: bool) -> tuple[Floats,
 
 
 def _select_areal_harmonics(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Scale a map to a largest height of 1, and return its wave numbers, powers and the largest height (µm)."""
+    """Normalize a map by its largest height; return wave numbers, powers, and the largest height (µm)."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights
@@ -406,7 +406,7 @@ class _SpectrumBins:
         return _SpectrumBins(self.first[start:end], self.log_q[start:end], self.power[start:end], self.count[start:end])
 
     def deviance(self, exponent: float, weight: Floats) -> float:
-        """Return the deviance, per degree of freedom, of the binned spectrum from a power law with a given exponent."""
+        """Return the deviance, per degree of freedom, between the binned spectrum and a power law q^-`exponent`."""
         ratio = self.power * np.exp(exponent * (self.log_q - self.log_q.mean()))
         ratio /= np.average(ratio, weights=weight)
         return float(2 * (weight * (ratio - 1 - np.log(ratio))).sum() / max(1, ratio.size - 2))
@@ -483,7 +483,7 @@ def _remove_noisy_end(
 
 
 def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> tuple[Floats, Floats]:
-    """Fit a power law with a flat roll-off to a binned spectrum, once for each bin in which the roll-off can end.
+    """Fit a power law with a flat roll-off to a binned spectrum, for each bin at which the roll-off may end.
 
     If the roll-off ends in bin 0, there is no roll-off. Returns the logarithms of the wave numbers for each fit, which
     are constant in the roll-off, and the losses.
@@ -514,7 +514,7 @@ def _fit_spectrum_pieces(
 def _select_spectrum_pieces(
     bin_count: int, starts: NDArray[np.intp], piece_ends: NDArray[np.intp], losses: Floats
 ) -> list[int]:
-    """Select consecutive pieces that cover a binned spectrum with the least sum of fit losses and piece penalties."""
+    """Select pieces that cover a binned spectrum without gaps, with the lowest sum of fit losses and penalties."""
     min_loss, last_piece = np.full(bin_count + 1, np.inf), np.full(bin_count + 1, -1)
     min_loss[0] = 0.0
     for piece in np.argsort(piece_ends, kind="stable"):

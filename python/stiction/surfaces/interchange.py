@@ -81,7 +81,10 @@ def describe_body(kind: str, heights: Floats, spacing: tuple[float, ...], histor
 
 
 def _extract_from_topography(name: str, other: Any, type_name: str, unit: str | None) -> ExtractedHeights:
-    """Extract heights (µm) and spacing from an object of SurfaceTopography, in which x is the first array axis."""
+    """Extract heights (µm) and spacing from an object of the package SurfaceTopography.
+
+    Arrays of this package have x as the first axis.
+    """
     unit_factor = _parse_unit_factor(name, other.unit or unit, type_name)
     masked_heights = np.ma.asarray(other.heights())
     if np.ma.is_masked(masked_heights):

@@ -23,7 +23,7 @@ MIN_POINTS_PER_WAVELENGTH = 8
 # Longest wavelength that a joined spectrum takes from a scan, as a fraction of the shortest side.
 # At longer wavelengths, the spectrum depends on the window function.
 MAX_WAVELENGTH_TO_SIDE = 1 / 3
-# Number of wave vectors whose spectral densities together count as one independent value.
+# Number of wave vectors that together give one independent value of the spectral density.
 # Opposite wave vectors have equal densities, and the window correlates neighbouring wave vectors.
 _WAVE_VECTORS_PER_INDEPENDENT_VALUE = 4.0
 
@@ -82,7 +82,7 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def _bin_edge_ratio(self) -> float:
-        """Ratio of a bin's largest wave number to the wave number at its centre."""
+        """Ratio of the largest wave number in a bin to the wave number at the centre of the bin."""
         return math.sqrt(self.wave_number[1] / self.wave_number[0])
 
     @property
@@ -97,7 +97,7 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def disagreement(self) -> Floats:
-        """Ratio of each scan's spectral density to that of the other scans: geometric mean over shared wavelengths.
+        """Ratio of each scan's spectral density to the density of the other scans, as a mean over shared wavelengths.
 
         The shape is (scans,). The mean is NaN for a scan without overlap.
         """
@@ -107,7 +107,7 @@ class JoinedSpectrum(TextReprMixin):
             is_compared = is_shared & np.isfinite(ratio)
             weight = self.contribution[scan_index, is_compared]
             if is_compared.any() and (weight < 1).any():
-                # A scan is compared with the other scans only, so the scan's own contribution is removed.
+                # A scan is compared with the other scans only, so its contribution to the joined density is removed.
                 other_density = (1 - weight * ratio[is_compared]) / (1 - weight)
                 with np.errstate(divide="ignore", invalid="ignore"):
                     log_ratios = np.log(ratio[is_compared] / other_density)
@@ -120,7 +120,7 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def chance(self) -> Floats:
-        """Standard deviation of each scan's ln(`disagreement`) by chance, if all scans have the same spectrum."""
+        """Standard deviation that each ln(`disagreement`) has by chance, if the scans have equal true spectra."""
         is_shared = (self.contribution > 0).sum(axis=0) > 1
         independent_counts = self.contribution * self.count / _WAVE_VECTORS_PER_INDEPENDENT_VALUE
         log_deviations = np.full(len(self.bands), np.nan)
@@ -140,7 +140,7 @@ class JoinedSpectrum(TextReprMixin):
         rms_values = []
         for power, factor in ((2, 1.0), (4, 0.25)):
             variance_terms = factor * self.wave_number ** (power + 2) * self.density * log_step / (2 * math.pi)
-            # Only half of the last bin counts, because the cumulative variance ends at the centre of the bin.
+            # The sum ends at the centre of a bin, so only half of the variance of this bin counts.
             rms_values.append(np.sqrt(variance_terms.cumsum() - variance_terms / 2))
         return ScaleDependentRoughness(
             wavelength=make_read_only(2 * math.pi / self.wave_number), gradient=make_read_only(rms_values[0]),
@@ -296,7 +296,7 @@ def _parse_values_of_scans(name: str, values: Sequence[float | None] | None, sca
 def _find_reliable_band(
     body: Profile | Surface, given_limit: float | None, tip_radius: float | None
 ) -> tuple[tuple[float, float], str]:
-    """Return the wavelength band (µm) in which a scan is reliable, and the reason for the lower limit of the band."""
+    """Return the wavelength band (µm) in which a scan is reliable, and what limits the band at short wavelengths."""
     spacing, side_length = max(body.spacings), float(np.min(body.extent))
     if given_limit is not None:
         shortest_wavelength, reason = given_limit, "given"
@@ -321,7 +321,7 @@ def _find_reliable_band(
 def _average_in_bins(
     body: Profile | Surface, band: tuple[float, float], per_decade: int
 ) -> dict[int, tuple[float, float]]:
-    """Return the number of wave vectors and the mean spectral density in each wave number bin of a wavelength band."""
+    """Average the spectral density of a scan in bins of wave number; return count and mean density of each bin."""
     min_wave_number, max_wave_number = (2 * math.pi / wavelength for wavelength in reversed(band))
     if isinstance(body, Profile):
         ring_spectrum = isotropic_spectrum(levelled(body, "line"))

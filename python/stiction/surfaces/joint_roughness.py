@@ -79,7 +79,7 @@ def measure_joint_roughness(face: Any, direction: float) -> JointRoughness:
 
 
 def _compute_height_differences(face: Any, steps: Any) -> Floats:
-    """Return the height differences (µm) between all measured points that are a given offset (in points) apart."""
+    """Return the height differences (µm) between all pairs of measured points at a given offset (in points)."""
     starts, ends = [], []
     for step, points in zip(steps.tolist(), face.heights.shape, strict=True):
         num_pairs = points - abs(step)

@@ -226,7 +226,7 @@ def power_law_misfit(
     bins: PowerSpectrum | RadialSpectrum, band: tuple[float, float], exponent: float, *, dimensions: int = 1,
     chance: float = 0.0,
 ) -> float:  # fmt: skip
-    """Return the rms factor between a spectrum and a power law in a wavelength band, corrected for random scatter.
+    """Return the rms factor between a spectrum and a power law in a band, corrected for random scatter.
 
     `chance` is the variance of ln(density) that scatter causes in a single harmonic. The factor is 1 for a power law.
     """

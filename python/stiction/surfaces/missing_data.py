@@ -41,7 +41,7 @@ _MIN_ROUGH_FRACTION = 0.02
 # Width (points) of the window of local medians, by the number of dimensions: 1 for profiles, 2 for maps.
 _WINDOW_WIDTHS = {1: 31, 2: 7}
 # Minimum number of neighbour means from which the height of a point is estimated.
-# With three means, the median is correct even if an outlier affects one mean.
+# The median of three means is correct even if an outlier affects one of the means.
 _MIN_NEIGHBOUR_ESTIMATES = 3
 # By chance, an outlier of a map may lie near this number of lines through two neighbours, but not more.
 # Each point of a map is compared with at least five lines through two neighbours.
@@ -75,7 +75,7 @@ def interpolate_missing_points(heights: Floats, *, extrapolate: bool) -> Floats:
 
 
 def compute_scattered_missing_fraction(missing: NDArray[np.bool_]) -> float:
-    """Return the fraction of points that are missing between two measured neighbours along x or along y."""
+    """Return the fraction of points that are missing, but whose two neighbours along x or along y are measured."""
     is_between = np.zeros(missing.shape, np.bool_)
     for axis in range(missing.ndim):
         missing_lines, between_lines = np.moveaxis(missing, axis, -1), np.moveaxis(is_between, axis, -1)
@@ -148,7 +148,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
             ]
         deviations = mean_deviations, line_deviations
         ratio = _find_smaller_ratio(deviations, [typical.scan_medians for typical in typical_deviations])
-        # The local comparison can only remove candidates, so it is computed only for candidates of the whole scan.
+        # The comparison with local medians can only reject candidates of the whole scan, so other points are left out.
         can_be_outlier = is_measured & ~is_outlier & np.isfinite(line_deviations)
         candidates = np.nonzero(can_be_outlier & (ratio > _MIN_OUTLIER_TO_MEDIAN_DEVIATION_RATIO))
         ratio = np.zeros(heights.shape)
@@ -174,14 +174,14 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
 
 
 def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[Floats]) -> Floats:
-    """Divide both deviations at each point by their typical values, and return the smaller quotient, ignoring NaN."""
+    """Divide each of two deviations by its typical value; return the smaller ratio at each point, ignoring NaN."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.fmin(deviations[0] / typical_values[0], deviations[1] / typical_values[1])
 
 
 @dataclass(frozen=True, eq=False)
 class _NeighbourDeviations:
-    """Median deviation of heights from neighbouring heights in a scan, and each deviation divided by this median.
+    """Deviations of heights from neighbouring heights in a scan: median, and each deviation divided by the median.
 
     Edge points have a different median than other points.
     """
@@ -190,7 +190,7 @@ class _NeighbourDeviations:
     relative_deviations: Floats
 
     def at_points(self, points: tuple[NDArray[np.intp], ...]) -> Floats:
-        """Return the typical deviation (µm) at given points: the median around the point or, if larger, of the scan.
+        """Return the typical deviation (µm) near given points: the larger of the local median and the scan's median.
 
         A worn surface is smoother on plateaus than in valleys, so the median of the scan alone is not sufficient.
         """
@@ -246,7 +246,7 @@ def _find_neighbour_deviations(
 def _compute_deviations_from_neighbours(
     heights: Floats, remaining_heights: Floats
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return the deviations from the neighbours' mean and from lines through neighbours, and a mask of edge points.
+    """Return two deviations of each height (from neighbours' mean and from lines), and a mask of edge points.
 
     Deviations are NaN at points with too few measured neighbours. Maps are evaluated in strips of rows, whose
     intermediate arrays fit into the cache.
@@ -303,7 +303,7 @@ def _compute_deviations_in_strip(
 
 
 def _find_smallest(values: list[Floats], kept_count: int) -> list[Floats]:
-    """Return, for each point, the `kept_count` smallest numbers of several arrays in ascending order.
+    """Return the `kept_count` smallest numbers among several arrays, in ascending order, at each point.
 
     NaN is replaced by infinity.
 

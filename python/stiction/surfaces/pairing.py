@@ -39,15 +39,15 @@ MAX_SURROGATE_SIDE_POINTS = 512
 SurrogateBodies = Literal["none", "upper", "lower", "both"]
 SIDES: tuple[Side, Side] = ("upper", "lower")
 _GOLDEN_RATIO = (5**0.5 - 1) / 2
-# Real root of x^3 = x + 1, from which two-dimensional quasi-random points are computed.
+# Constant of two-dimensional quasi-random sequences: the real root of x^3 = x + 1.
 _PLASTIC_NUMBER = 1.324717957244746
-# Real root of x^5 = x + 1, from which four-dimensional quasi-random points are computed.
+# Constant of four-dimensional quasi-random sequences: the real root of x^5 = x + 1.
 _QUINTIC_ROOT = 1.1673039782614187
 GRID_POINTS_PER_WAVELENGTH = 4
 
 
 def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
-    """Return the point with a given index in a quasi-random sequence that fills the unit cube evenly.
+    """Return a point of a quasi-random sequence in the unit cube, given the index of the point.
 
     The sequence is an additive recurrence with the golden ratio.
     """
@@ -86,7 +86,7 @@ class LinePairs:
         return min(line_counts, default=1)
 
     def position_across_lines(self, index: int) -> float:
-        """Return the distance (µm) of a pair's upper line from the first line of the upper map, or 0 for a profile."""
+        """Return the distance (µm) of a pair's upper line from the first line of the upper map; 0 for profiles."""
         if not isinstance(self.upper, Surface):
             return 0.0
         line_distance = self.upper.spacing[0 if self.along == "x" else 1]
@@ -127,7 +127,7 @@ class LinePairs:
         return slider_profile if self.level is None else levelled(slider_profile, self.level)
 
     def _extract_line(self, body: Profile | Surface, index: int, *, shifted: bool = False) -> Profile:
-        """Return, as a profile, the line of a body for the pair with a given index.
+        """Return the line that a body contributes to a line pair: a row or column of a map, or the profile itself.
 
         With `shifted`, line 0 is a third of the width away from the edge.
         """
@@ -137,7 +137,7 @@ class LinePairs:
         return extract_line(self._choose_row_or_column(body, index, shifted=shifted))
 
     def _choose_row_or_column(self, surface: Surface, index: int, *, shifted: bool = False) -> int:
-        """Return the number of the row or column that a map contributes to the line pair with a given index.
+        """Return the row or column number of the line that a map contributes to line pair `index`.
 
         Every line is used once before a line is used again.
         """
@@ -145,7 +145,7 @@ class LinePairs:
         start = max(line_count // 3, 1) if shifted else 0
         if self.count is not None:
             return (start + index * line_count // self.count) % line_count
-        # The step is near the golden ratio times `line_count`, and has no common divisor with `line_count`.
+        # The step is near 0.618 · `line_count` and has no common divisor with `line_count`, so all lines are used.
         step = max(1, round(line_count * _GOLDEN_RATIO))
         while math.gcd(step, line_count) > 1:
             step += 1
@@ -255,7 +255,7 @@ def _crop_to_equal_length(
 
 
 def piece_below_slider(lower: Profile, offset: float, slider: Profile) -> Profile:
-    """Return the piece of the lower profile below a slider whose first point is at the position `offset` (µm)."""
+    """Return the part of the lower profile under a slider that begins at the position `offset` (µm)."""
     start_index = round(offset / lower.spacing)
     selected_range = slice(start_index, start_index + len(slider))
     return Profile(
@@ -288,7 +288,7 @@ class MapPairs:
 
     @cached_property
     def spacing(self) -> tuple[float, float]:
-        """Spacings (µm) of all pieces along y and x: along each axis, the smaller spacing of the two maps."""
+        """Spacings (µm) along y and x of every piece: along each axis, the smaller of the two maps' spacings."""
         (uy, ux), (ly, lx) = self.upper.spacing, self.lower.spacing
         return min(uy, ly), min(ux, lx)
 
@@ -307,12 +307,12 @@ class MapPairs:
 
     @cached_property
     def _shifts_in_points(self) -> tuple[tuple[int, int], ...]:
-        """Shifts of the upper map in numbers of rows and columns, converted from `shifts` (µm)."""
+        """Shifts of the upper map as (rows, columns), rounded from the shifts in µm."""
         dy, dx = self.spacing
         return tuple((round(y / dy), round(x / dx)) for x, y in self.shifts or ())
 
     def _find_overlap(self, steps: tuple[int, int]) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Return the overlap of both maps at a shift: first row and column in the lower map, and the shape."""
+        """Return the overlap of both maps at a shift: first row and column in the lower map, and overlap shape."""
         starts = tuple(max(0, step) for step in steps)
         ends = (
             min(lower_points, step + upper_points)
@@ -369,7 +369,7 @@ class MapPairs:
         return (2 * margins[0] + 1) * (margins[1] // 2 + 1) if equal_size else (margins[0] + 1) * (margins[1] + 1)
 
     def piece_origins(self, index: int) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Return the first row and column of a pair's upper and lower piece, on the grid that all pieces share."""
+        """Return the first row and column of a pair's upper piece and of its lower piece, on the resampled grid."""
         if self.shifts is not None:
             overlap_start, overlap_shape = self._find_overlap(self._shifts_in_points[index])
             lower_origin = tuple(
@@ -482,7 +482,7 @@ class IsotropicSurfacePairs(SquarePiecePairs):
 
     @property
     def piece_fractions(self) -> tuple[float, float]:
-        """Ratio of a piece's side length to the length of the upper profile, and to the length of the lower profile."""
+        """Side length of a piece divided by the length of the upper profile, and by the length of the lower profile."""
         upper, lower = (self._num_side_points / len(profile) for profile in self._resampled_profiles)
         return upper, lower
 

@@ -18,7 +18,7 @@ ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
 ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic", "circle"]
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
-# Section of the longer body that is kept: the start or the middle.
+# Section of the longer body that is kept if two bodies differ in length: the start or the middle.
 GridAlignment = Literal["start", "middle"]
 # A position is regarded as a grid point if its distance from the point is below this fraction of the spacing.
 # The tolerance allows for round-off: 0.3 µm is point 3 of a grid with a spacing of 0.1 µm.
@@ -249,7 +249,7 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
 
 
 def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
-    """Return the range of indices that a crop leaves along one axis, and a history entry for the crop."""
+    """Return the index range (first, end) that remains after cropping along one axis, and a history entry."""
     extent = points * spacing
     start = validate_number("start", start, unit="µm")
     stop = extent if stop is None else validate_number("stop", stop, unit="µm")

@@ -247,7 +247,10 @@ def reject_missing_points(body: Any, operation: str) -> None:
 def scale_profile(
     heights: Floats, spacing: float, amplitude: float, measure: AmplitudeMeasure, scaled_heights: Floats
 ) -> Profile:
-    """Scale heights to an amplitude (µm) in the array `scaled_heights`, and return a profile with these heights."""
+    """Scale the heights of a profile to an amplitude (µm), and return the scaled profile.
+
+    The array `scaled_heights` stores the scaled heights.
+    """
     check_choice("measure", measure, AmplitudeMeasure)
     amplitude = validate_number("amplitude", amplitude, unit="µm", above=0)
     if not stiction._core.scale_to_amplitude(heights, amplitude, measure, scaled_heights):

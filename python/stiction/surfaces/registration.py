@@ -22,7 +22,7 @@ MAX_ROTATION = 3.0  # degrees
 ROTATION_STEP = 0.5  # degrees
 # A shift that differs from whole points by less than this fraction of a point is rounded.
 GRID_TOLERANCE = 0.02
-# Two faces match only if their slope correlation at every other shift is below this fraction of the largest.
+# Two faces match only if their slope correlation at every other shift is below this fraction of the best correlation.
 MAX_SECOND_CORRELATION_RATIO = 0.7
 # Minimum overlap of two faces along each axis, relative to the length of the shorter face.
 MIN_OVERLAP_FRACTION = 0.5
@@ -173,7 +173,7 @@ def find_best_fit(upper: Any, lower: Any) -> tuple[float, tuple[int, ...]]:
 
 
 def _to_signed_offset(index: int, count: int) -> int:
-    """Convert an index of a cyclic correlation to an offset; indices above half the count are negative offsets."""
+    """Convert an index of a cyclic correlation to an offset; indices above `count`/2 stand for negative offsets."""
     return index - count if index > count // 2 else index
 
 
@@ -199,7 +199,7 @@ def _coarsen_face(body: Any, factor: int) -> Any:
 
 
 def _correlate_slopes(upper: Any, lower: Any) -> Floats:
-    """Return the slope correlation of two bodies at every offset, in the order of a discrete Fourier transform.
+    """Return the correlation of the slopes of two bodies at every offset, in the order of a Fourier transform.
 
     Offsets at which the faces overlap too little are NaN.
     """
@@ -280,7 +280,7 @@ def _convert_centre_shift_to_corner_offset(shift: tuple[float, ...], upper: Any,
 
 
 def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) -> _FacePosition:
-    """Convert the position of a coarsened upper face to the original grid, where the middle may lie elsewhere."""
+    """Convert a face position from coarse grids to the original grids, whose middles may lie elsewhere."""
     shift = tuple(
         distance + (upper_points % factor - lower_points % factor) / 2 * spacing
         for distance, upper_points, lower_points, spacing in zip(
@@ -291,7 +291,7 @@ def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) 
 
 
 def _find_grid_offset(upper: Any, lower: Any, position: _FacePosition) -> tuple[int, ...] | None:
-    """Return the offset in whole points that matches a position within `GRID_TOLERANCE`, or None without a match."""
+    """Return the whole-point offset that equals a position within `GRID_TOLERANCE`, or None."""
     steps = _convert_centre_shift_to_corner_offset(position.shift, upper, lower)
     move_of_ends = abs(position.rotation) * max(lower.heights.shape) / 2
     is_on_grid = all(abs(step - round(step)) + move_of_ends <= GRID_TOLERANCE for step in steps)
@@ -414,7 +414,7 @@ def _has_min_overlap(upper: Any, lower: Any, position: _FacePosition) -> bool:
 
 
 def _estimate_noise(gap: Any) -> float:
-    """Estimate the rms white noise (µm) of a gap from fourth differences, or return 0 for too few points.
+    """Estimate the rms (µm) of white noise in a gap from fourth differences; return 0 for too few points.
 
     The variance of the fourth differences of white noise is 70 times the variance of the noise.
     """

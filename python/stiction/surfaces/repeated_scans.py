@@ -268,7 +268,7 @@ def _are_identical(
 def _find_noise_cutoff(
     q: Floats, spectrum_of_mean_scan: Floats, noise: Floats, shortest: float, longest: float
 ) -> float:
-    """Return the shortest cutoff (µm) that makes the noise fraction of the mean square slope negligible, or NaN.
+    """Return the shortest cutoff (µm) after which noise contributes little to the mean square slope, or NaN.
 
     The limit of this fraction is `MAX_NEGLIGIBLE_NOISE_FRACTION`.
     """
@@ -321,7 +321,7 @@ def _is_integer_shift(shift: Floats) -> bool:
 
 
 def _resample_at_shift(a: Floats, b: Floats, shift: Floats) -> tuple[Floats, Floats]:
-    """Return the heights of both scans in their overlap, at the points of the first scan, for a shift (in points)."""
+    """Return the heights of two shifted scans in their overlap, at the points of the first scan."""
     from scipy.ndimage import map_coordinates
 
     overlap, positions = _slice_overlap(a.shape, b.shape, shift)
@@ -347,7 +347,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
     )
 
     def sum_products(power_of_a: int, power_of_b: int) -> Floats:
-        """Return, for each shift, the sum of `a`^`power_of_a` times `b`^`power_of_b` over the overlap of both scans."""
+        """Return, for each shift, the sum of a^`power_of_a` · b^`power_of_b` over the overlap of the scans a and b."""
         return np.asarray(irfftn(transforms_of_a[power_of_a] * np.conj(transforms_of_b[power_of_b]), shape))
 
     count = np.maximum(np.rint(sum_products(0, 0)), 1)
@@ -366,7 +366,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
 def _slice_overlap(
     first_shape: tuple[int, ...], second_shape: tuple[int, ...], shift: Floats
 ) -> tuple[tuple[slice, ...], list[Floats]]:
-    """Return the overlap of two scans at a shift: slices of scan 1 and fractional indices of scan 2."""
+    """Return the overlap of two scans at a shift: slices of the first scan, fractional indices of the second."""
     selected_slices, positions = [], []
     for points, second_points, shift_along_axis in zip(first_shape, second_shape, shift.tolist(), strict=True):
         start = max(0, math.ceil(shift_along_axis) + (_OVERLAP_MARGIN_POINTS if shift_along_axis > 0 else 0))

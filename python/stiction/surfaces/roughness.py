@@ -119,7 +119,7 @@ def roughness_parameters(
 
 
 def height_and_slope_parameters(z: Floats, spacing: float, derivative: DerivativeFormula) -> dict[str, float]:
-    """Compute height and slope parameters of a profile about the mean line; the key "q" is Pq, Rq or Wq."""
+    """Compute height and slope parameters of a profile, by key; the key "q", for example, is Pq, Rq or Wq."""
     scale = float(np.abs(z).max()) or 1.0
     # The heights are scaled, because their fourth power could overflow or underflow.
     scaled_heights = z / scale

@@ -153,7 +153,7 @@ class ScanDefects:
         return self._find_instrument_limit_with_tip(0.0)
 
     def find_noise_slope_fraction(self, cut_off: float) -> float:
-        """Return the noise fraction of the mean square slope that remains after a low-pass filter at `cut_off` (µm).
+        """Return the fraction of the mean square slope that is noise after a low-pass filter at `cut_off` (µm).
 
         At wavelengths below `instrument_limit`, the noise is assumed to have the same spectrum as the scan. Raises a
         `ValueError` if the body is flat.
@@ -170,7 +170,7 @@ class ScanDefects:
         return limit.slope_fraction * noise_transmission / transmission
 
     def find_tip_limit(self, cut_off: float) -> InstrumentLimit | None:
-        """Return the instrument limit after a low-pass filter if the tip sets this limit, and None otherwise.
+        """Return the wavelength limit that the instrument's tip sets for a low-pass filtered scan, or None.
 
         The filter has the cutoff `cut_off` (µm, 0 for no filter). Returns None if no tip radius is given, if pixels or
         noise set the limit, or if shorter wavelengths contribute at most 1 % of the mean square slope. Raises a
@@ -241,7 +241,7 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
         ]  # fmt: skip
     gradients = [difference - difference.mean() for difference in differences]
     power = np.sum([np.square(np.abs(np.fft.rfftn(gradient))) for gradient in gradients], axis=0)
-    # Coefficients between the first and the last column count twice: each also stands for its complex conjugate.
+    # Fourier coefficients between the first and the last column count twice, also for their complex conjugates.
     num_columns = gradients[0].shape[-1]
     weights = np.full(power.shape[-1], 2.0)
     weights[0] = 1.0
@@ -315,13 +315,13 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
             np.abs(heights - np.median(heights)),
         )
         threshold, rounding_distance = MIN_SPIKE_HEIGHT_RATIO, rounding_error
-    # The median of rounded heights can be 0, so the rounding error is a lower limit of the usual distance.
+    # The median distance of rounded heights can be 0, so the usual distance is at least the rounding error.
     usual_distance = max(float(np.median(typical_distances)) / 0.6745, rounding_distance)
     return np.asarray(distances > threshold * usual_distance)
 
 
 def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return a mask of the isolated outliers, which stand out abruptly, unlike the bottom of a groove or a cusp.
+    """Return a mask of isolated outliers, which are abrupt, unlike the bottoms of grooves and cusps.
 
     A group of adjacent outliers is isolated if its deviation from the profile without outliers is large compared with
     the height of its flanks, or if a single step on its flanks makes up most of its height. Dips must also be deep,
@@ -334,7 +334,7 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
     min_height = _MIN_SPIKE_TO_RMS_RATIO * float(levelled(profile, "line").heights.std())
 
     def measure_from_flanks(heights: Floats, group: slice) -> Floats:
-        """Return heights around a group of outliers, measured from the line through the points on both sides."""
+        """Return heights around a group of outliers, relative to a line between the points on both sides."""
         start, stop = max(group.start - _NUM_FLANK_POINTS, 0), min(group.stop + _NUM_FLANK_POINTS, outliers.size)
         baseline = np.linspace(remaining_heights[start], remaining_heights[stop - 1], stop - start)
         return heights[start:stop] - baseline

@@ -233,7 +233,7 @@ def _compute_with_setting_class(
     results_by_class: dict[int, SectionParameters] = {}
 
     def find_matching_setting_class(index: int) -> int:
-        """Compute Ra and RSm with the setting class `index`, and return the index of the class to which they belong."""
+        """Compute Ra and RSm with the setting class `index`; return the index of the class that suits Ra and RSm."""
         if index not in results_by_class:
             lc = SETTING_CLASSES[index].section_length
             results_by_class[index] = _compute_with_cutoff(profile, lc, ls, sections, robust, derivative)
@@ -262,7 +262,7 @@ def _compute_with_setting_class(
                 f"{_format_length(section_lengths[matching_class])}; {remedy}"
             )
         index = next_class
-    # If the results of one class require a second class, and vice versa, neither setting class is consistent.
+    # Two setting classes may each give results that require the other class. Neither class is then consistent.
     if matching_class != index:
         index = max(index, max(visited_classes & {index - 1, index, index + 1}))
     elif index - 1 in possible_classes and find_matching_setting_class(index - 1) == index - 1:
@@ -283,7 +283,7 @@ def _format_length(length: float) -> str:
 
 
 def _min_section_length(spacing: float) -> float:
-    """Return the shortest usable section length (µm) at a spacing (µm): seven points, as the slope formula needs."""
+    """Return the shortest section length (µm) at a spacing (µm): seven points, for the slope formula."""
     return SEVEN_POINT_WEIGHTS.size * spacing
 
 

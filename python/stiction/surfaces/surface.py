@@ -91,7 +91,7 @@ class Surface(Body):
 
     def _extract_profile(self, index: Any, axis: int, step: str) -> Profile:
         mask = select_from_mask(self.missing, index)
-        # In a line without any measured point, the interpolated heights are used as if they were measured.
+        # If no point of a line was measured, the interpolated heights of the line count as measured.
         mask = None if mask is None or mask.all() else mask
         return Profile(self.heights[index], spacing=self.spacing[axis], history=(*self.history, step), missing=mask)
 

@@ -14,7 +14,7 @@ from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, re
 
 # Number of rings of wave vectors per decade. An empty ring is merged with the next ring.
 _RINGS_PER_DECADE = 12
-# Weight of the smoothness penalty, as a number of harmonics. The penalty dominates in rings with fewer harmonics.
+# Weight of the smoothness penalty. The penalty dominates in rings with fewer harmonics than this number.
 _SMOOTHNESS_PENALTY = 2.0
 # Densities below this fraction of the largest density count as round-off.
 _ROUND_OFF_FRACTION = 1e-14
@@ -254,13 +254,13 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
     rows, columns = power.shape
     random_values = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
     phases, uniform_numbers = random_values[:, :columns], random_values[:, columns:] / (2 * math.pi)
-    # The factor 2 compensates that only the real part is used, which has half of the power.
+    # Only the real part is used, which has half of the power, so the power is multiplied by 2.
     coefficients = np.sqrt(-2 * power * np.log1p(-uniform_numbers)) * np.exp(1j * phases)
     return np.asarray(ifft2(coefficients, overwrite_x=True).real)
 
 
 def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
-    """Fit an isotropic density C2D, constant in rings of wave vectors, to the spectrum of a profile.
+    """Fit an isotropic density C2D to the spectrum of a profile; the density is constant in rings of wave vectors.
 
     Returns the edges of the rings, the densities, and the numbers of harmonics.
     """
@@ -280,8 +280,7 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
     measured_density = np.maximum(measured_density, _ROUND_OFF_FRACTION * measured_density.max())
     # Further rings cover the corners of the grid, where both wave numbers reach the Nyquist wave number.
     edges = np.append(edges, math.sqrt(2) * nyquist_wave_number * (1 + 1e-9))
-    # Response to a single ring: mean spectral density of a line in each bin, if the density of the surface is 1 in the
-    # ring and 0 elsewhere.
+    # Mean spectral density of a line in each bin, if the density of the surface is 1 in a single ring and 0 elsewhere.
     transverse_wave_number = np.minimum(
         np.sqrt(np.maximum(edges**2 - wave_number[:, np.newaxis] ** 2, 0)), nyquist_wave_number
     )

@@ -124,7 +124,7 @@ def _erode_by_tip(heights: Floats, spacing: Floats, radius: float) -> Floats:
 def _iterate_tip_offsets(
     shape: tuple[int, ...], spacing: Floats, radius: float, max_tip_height: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
-    """Yield slices of points, slices of neighbours, and the tip height, for each offset (in points) within the tip."""
+    """Yield, for each grid offset under the tip, slices of points and of their neighbours, and the tip's height."""
     half_width, half_widths = _compute_tip_half_width(shape, spacing, radius, max_tip_height)
     for steps in np.ndindex(*(2 * max_steps + 1 for max_steps in half_widths)):
         offsets = np.subtract(steps, half_widths)
@@ -142,7 +142,7 @@ def _iterate_tip_offsets(
 def _compute_tip_half_width(
     shape: tuple[int, ...], spacing: Floats, radius: float, tip_height: float
 ) -> tuple[float, list[int]]:
-    """Return the half width of a spherical tip at a height above its lowest point, in µm and in points per axis."""
+    """Return the half width of a spherical tip at a height above its lowest point: in µm, and in points per axis."""
     half_width = math.sqrt(radius**2 - max(0.0, radius - tip_height) ** 2)
     return half_width, [
         min(int(half_width / step), points - 1) for step, points in zip(spacing.tolist(), shape, strict=True)

@@ -14,7 +14,7 @@ from stiction.surfaces.measured.raw import FormatError
 MAX_LINES, MAX_CELLS_PER_LINE = 25_000_000, 4_000_000
 """Largest number of lines in a text file, and largest number of cells in a line."""
 
-# The header of a known file layout is searched for in the first lines, and in the first characters of these lines.
+# The header of a known file layout is searched for in this number of lines, and of characters at the start of a line.
 MAX_FIRST_LINES, MAX_FIRST_LINE_LENGTH = 200, 1000
 # Number of characters per step when the lines of a text are classified.
 CHARACTERS_PER_STEP = 250_000
@@ -122,7 +122,7 @@ class DecodedText:
 
     @cached_property
     def missing_word_pattern(self) -> re.Pattern[bytes]:
-        """Regular expression for words that mark missing points: the words in `words`, and usual words such as NaN."""
+        """Regular expression for words that mark missing points: the user's `words`, and common words such as NaN."""
         words = sorted({*MISSING_POINT_WORDS, *(word.casefold() for word in self.words)}, key=len, reverse=True)
         word_alternatives = "|".join(re.escape(word).replace("\\ ", "[ _]?") for word in words)
         return re.compile(rf'(?i)(?<![^\s;,|"])(?:{word_alternatives})(?![^\s;,|"])'.encode())
@@ -226,7 +226,7 @@ def _to_utf8(data: bytes) -> tuple[str, bytes]:
     else:
         return "utf-8", data
     first_bytes = data[:100_000]
-    # The decoded bytes end with a complete line, so that no character is cut in half.
+    # The bytes to decode end with a complete line, so that no character is cut in half.
     first_bytes = first_bytes[: first_bytes.rfind(b"\n") + 1] or first_bytes
     candidates = []
     for encoding in _LEGACY_ENCODINGS:

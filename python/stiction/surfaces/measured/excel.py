@@ -18,7 +18,7 @@ from stiction.surfaces.measured.sheet_table import _find_numeric_columns, parse_
 
 # Maximum number of XML tags in a workbook. A height takes four tags, so a workbook may have 2.5 million heights.
 MAX_WORKBOOK_TAGS = 10_000_000
-# Maximum number of XML tags in a row of a sheet, to limit the memory: eight tags for each possible column.
+# Maximum number of XML tags in a row of a sheet, to limit the memory. Each of the possible columns may have eight tags.
 MAX_TAGS_PER_ROW = 8 * 16_384
 # Text that replaces a formula whose result is not stored in the workbook.
 _UNEVALUATED_FORMULA_TEXT = "unevaluated formula"
@@ -93,7 +93,7 @@ def _read_sheets(
 
 
 def _mark_formulas_without_values(rows: _Rows, formulas: _Rows) -> _Rows:
-    """Write a marker word into empty cells whose formula has no stored result. Such cells are not missing points."""
+    """Write a marker word into cells with a formula but no stored result, because these points are not missing."""
     marked_rows = []
     for row_index, formula_row in enumerate(formulas):
         row = rows[row_index] if row_index < len(rows) else ()
@@ -137,7 +137,7 @@ def _check_archive(data: bytes) -> bool:
 
 def _read_rows(sheet: Any) -> list[tuple[Any, ...]]:
     """Return the rows of a sheet up to the last row that is not empty."""
-    # The dimensions of a sheet, as declared in the file, may be wrong.
+    # The dimensions that the file declares for a sheet may be wrong.
     sheet.reset_dimensions()
     rows = [tuple(row) for row in sheet.iter_rows(values_only=True)]
     while rows and all(cell is None for cell in rows[-1]):

@@ -517,7 +517,7 @@ def _find_last_line_with_letters(lines: Sequence[str]) -> str | None:
 
 
 def _mentions_only_heights(line: str) -> bool:
-    """Return whether a header line contains the unit of heights, but neither positions nor other lengths."""
+    """Return whether a header line states a unit of heights, but mentions neither positions nor other lengths."""
     return bool(
         len(_find_units(line)) == 1
         and not _has_number_outside_brackets(line)
@@ -774,7 +774,7 @@ def _find_unknown_unit(name: str) -> str | None:
 
 
 def _is_unit_word(word: str) -> bool:
-    """Return whether a word is a unit, but not of length; words such as "point" in "data point" are excluded."""
+    """Return whether a word is a unit of another quantity than length; words like units, such as "point", are not."""
     return word.casefold() not in _NAME_ENDINGS_LIKE_UNITS and NON_LENGTH_UNIT_PATTERN.fullmatch(word) is not None
 
 

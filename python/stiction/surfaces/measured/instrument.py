@@ -118,7 +118,7 @@ def _read_channel(path: Path, index: int, name: str) -> RawHeights | ColumnTable
         if points > MAX_POINTS:
             raise FormatError(f"contains {points} points; at most {MAX_POINTS} can be read")
         check_point_count(points, path.stat().st_size)
-        # A tuple of units means that positions and measured values have different units, so the values are not lengths.
+        # A tuple of units means that positions and measured values have different units, so the values are not heights.
         if isinstance(channel.unit, tuple):
             raise FormatError(f"has a channel {index} ({name}) that does not contain heights; choose another channel")
         has_sizes = channel.physical_sizes is not None

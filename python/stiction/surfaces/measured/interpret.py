@@ -45,7 +45,7 @@ The spacing then has a relative error of at most 1/1000.
 _SPACING_RANGE = (1e-6, 1e6)
 # Largest accepted length or height (µm). A larger number has a wrong unit or marks a missing point.
 _MAX_LENGTH = 1e9
-# Relative rounding error of codes for missing points that are stored in single precision.
+# Codes for missing points that are stored in single precision have a relative rounding error of at most this number.
 MISSING_CODE_TOLERANCE = 1e-6
 _Length = TypeVar("_Length", float, Floats)
 
@@ -68,7 +68,7 @@ class ReadOptions:
     words: tuple[str, ...] = ()
     # Names of the file caveats that the caller accepts.
     accept: tuple[str, ...] = ()
-    # True if the caller gives a single unit, for the heights and for positions without a unit in the file.
+    # True if the caller gives one unit for the heights and for positions whose unit the file does not state.
     one_unit: bool = False
 
 
@@ -310,7 +310,7 @@ def _resolve_unit(quantity_name: str, declared_unit: str | None, given_unit: str
 
 
 def _choose_position_unit(raw: RawHeights, options: ReadOptions) -> str | None:
-    """Return the unit of positions that the caller gives, or None if the file declares a unit that takes precedence.
+    """Return the unit of positions that the caller gives; None if a unit in the file takes precedence.
 
     The file's unit takes precedence over a single unit that the caller gives for all lengths.
     """
@@ -415,7 +415,7 @@ def _describe_unclear_spacing(raw: RawHeights) -> str:
 
 
 def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> None:
-    """Raise `FormatError` unless the header's spacing without a unit equals the user's spacing in some unit of length.
+    """Raise `FormatError` if the header has a spacing without a unit that equals the user's spacing in no unit.
 
     Two spacings in a header line of uncertain meaning must equal the user's spacings in either order.
     """
@@ -551,7 +551,7 @@ def _determine_profile_spacing(
 
 
 def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[FileCaveat]:
-    """Return a caveat if the first or last number in a column of heights may be the spacing, in any unit of length."""
+    """Return a caveat if the first or last height in a column may be the spacing, because both numbers are equal."""
     if given is None or raw.positions is not None or any(caveat.name == "first-number" for caveat in raw.caveats):
         return []
     end_numbers = {"first": float(raw.heights[0])}
@@ -575,7 +575,7 @@ def _find_declared_spacing(raw: RawHeights) -> tuple[float, float] | None:
 
 
 class _PositionResolution:
-    """Resolution of printed positions: place value (µm) of each position's last digit, computed on first use."""
+    """Resolution of printed positions: the place value (µm) of the last digit of each position."""
 
     def __init__(self, raw: RawHeights, unit: str) -> None:
         self._raw, self._unit = raw, unit
@@ -592,9 +592,10 @@ class _PositionResolution:
 def _find_worst_unexplained_deviation(
     x: Floats, spacing: float, resolution: _PositionResolution, slack: float
 ) -> tuple[int, float] | None:
-    """Return index and deviation of the point farthest from a uniform grid, or None if rounding explains the deviation.
+    """Return index and deviation of the position that deviates most from a uniform grid.
 
-    The place values of the printed digits are computed only if the exact positions deviate from a uniform grid.
+    Returns None if rounding explains all deviations. The place values of the printed digits are computed only if the
+    exact positions deviate from a uniform grid.
     """
     if _find_worst_position_deviation(x, spacing, np.zeros(x.size), slack) is None:
         return None
@@ -611,7 +612,7 @@ def _find_worst_position_deviation(
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
     # Rounding the first and the last position changes the distance between them by up to one unit of the last digit.
-    # Truncation causes a smaller change.
+    # Truncating instead of rounding the positions causes a smaller change of the distance.
     tolerance = np.maximum(last_digit_values, np.linspace(last_digit_values[0], last_digit_values[-1], x.size)) * (
         1 + 1e-6
     )

@@ -25,14 +25,14 @@ MIN_POINT_ROWS = 12
 # Maximum number of rows or columns of statistics, such as means, along one edge of a matrix.
 MAX_STATISTIC_LINES = 6
 # Largest deviation of a printed statistic from the computed statistic, in standard deviations of the heights.
-# Rounding changes a statistic by less than this limit. A row of measured heights deviates by more than this limit.
+# The limit is larger than the effect of rounding, and smaller than the deviation of a row of measured heights.
 MAX_STATISTIC_DEVIATION = 2e-3
 # Maximum number of heights per text line of a profile that is written in several lines.
 MAX_WRAPPED_COLUMNS = 32
 # Minimum number of text lines of a profile that is written in several lines.
 MIN_WRAPPED_LINES = 3
 # A matrix gets a caveat if its heights may be a profile that continues from line to line.
-# The caveat is left out if a map is more than this many times as likely.
+# The caveat is left out if the matrix is more than this many times as likely to be a map as a wrapped profile.
 MAX_LIKELIHOOD_RATIO = 100.0
 # The search for a wrapped profile ignores heights beyond this number of median deviations from the median height.
 MAX_DEVIATION_IN_LINES = 8.0
@@ -135,7 +135,10 @@ def find_grid_columns(values: Floats) -> tuple[int, int] | None:
 
 
 def _describe_unlike_columns(values: Floats, column_numbers: Sequence[int]) -> str | None:
-    """Describe the first columns that cannot be heights (integers, equal numbers or unit vectors), or return None."""
+    """Describe the first column that cannot contain heights, for example because it contains only whole numbers.
+
+    Returns None if all columns may contain heights.
+    """
     rows, count = values.shape
     if count > MAX_POINT_COLUMNS or rows < max(MIN_POINT_ROWS, 3 * count) or np.isnan(values).any():
         return None
@@ -160,7 +163,7 @@ def _find_statistics(values: Floats) -> str | None:
     for axis, line_kind in ((0, "row"), (1, "column")):
         lines = values if axis == 0 else values.T
         for side, ordered_lines in (("last", lines), ("first", lines[::-1])):
-            # Most matrices contain no statistics, so all columns are checked only if a few columns agree.
+            # All columns are checked only if a few agree with a statistic: most matrices contain no statistics.
             sample = np.linspace(0, lines.shape[1] - 1, min(8, lines.shape[1])).astype(int)
             for count in range(1, min(MAX_STATISTIC_LINES, lines.shape[0] - 4) + 1):
                 name = _find_statistic_name(ordered_lines[:, sample], count)
@@ -178,7 +181,7 @@ def _find_statistic_name(lines: Floats, count: int) -> str | None:
     if not np.isfinite(lines).all():
         return None
     tolerance = MAX_STATISTIC_DEVIATION * float(heights.std())
-    # Equal numbers always agree with their statistics, so lines of equal numbers are no evidence of statistics.
+    # Lines of equal numbers are no evidence of statistics, because equal numbers always agree with their statistics.
     if min(float(np.median(np.ptp(heights, axis=0))), float(np.ptp(last_line))) <= 50 * tolerance:
         return None
     for name, statistic in _SUMMARY_STATISTICS:
@@ -188,7 +191,7 @@ def _find_statistic_name(lines: Floats, count: int) -> str | None:
 
 
 def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
-    """Return a caveat if a matrix may be one long profile that continues from the end of each row to the next row.
+    """Return a caveat if a matrix may be a single long profile that is wrapped into rows.
 
     The end of a row is usually far from the start of the next row in a matrix, but close to it in a wrapped profile.
     """

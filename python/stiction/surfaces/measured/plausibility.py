@@ -21,8 +21,7 @@ MIN_MISSING_CODE_REPEATS = 2
 # Minimum distance of a code for missing points from all other heights, divided by the range of the other heights.
 MIN_MISSING_CODE_DISTANCE = 2.0
 # Minimum distance of a code for missing points from the other heights, as a fraction of the range of these heights.
-# The minimum is `MIN_REPEATED_CODE_DISTANCE` for a repeated code, and `MIN_KNOWN_CODE_DISTANCE` for a common code
-# such as 9999.
+# `MIN_REPEATED_CODE_DISTANCE` applies to repeated codes, `MIN_KNOWN_CODE_DISTANCE` to common codes such as 9999.
 MIN_REPEATED_CODE_DISTANCE, MIN_KNOWN_CODE_DISTANCE = 0.5, 0.25
 KNOWN_MISSING_CODES = frozenset(
     [sign * number for sign in (1, -1) for number in (999, 9999, 99999, 999999)]
@@ -41,19 +40,18 @@ MIN_COMPARED_HEIGHTS = 20
 # Number of neighbouring heights, on each side, with which the frequency of a height is compared.
 NUM_NEIGHBOURS = 12
 # Let m be the median frequency of similar heights.
-# A height is unusually frequent from MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) occurrences upwards.
+# A height is unusually frequent if it occurs at least MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) times.
 MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
 # Smallest and largest fraction of points with the same height for a caveat about an unusually frequent height.
 MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4
-# The mean frequency of the nearest heights is computed for 1, 3 and 12 heights on each side of 0. Let m be the largest
-# of the three means.
+# Let m be the largest of three mean frequencies: of the nearest 1, 3 and 12 heights on each side of 0.
 # Zeros are unusually frequent if their number is at least 2 m + MIN_ZERO_DEVIATIONS · sqrt(2 m) + MIN_ZEROS.
 MIN_ZERO_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
 # Repeated rows cause a caveat up to this fraction of the rows.
 # With more repeated rows, the map is probably a profile that was extended along y.
 MAX_REPEATED_ROWS = 0.9
 # A run of equal heights in a profile gets a caveat if it has at least 8 points.
-# The probability that rounding causes a run of equal heights must also be at most 1e-4.
+# The caveat also requires that rounding causes such a run with a probability of at most 1e-4.
 MIN_EQUAL_RUN_LENGTH, MAX_RUN_PROBABILITY = 8, 1e-4
 # The height range that a header declares is wrong if the heights of the scan have a range at least 10 times larger.
 # A range of heights that is a power of 1000 smaller than declared (within 10 %) indicates a wrong unit.
@@ -162,7 +160,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
     if near_sample.size > MIN_DISTINCT_HEIGHTS and not has_gap:
         return []
     is_far = (heights < median - max_near_deviation) | (heights > median + max_near_deviation)
-    # If the largest gap between the sorted heights of a subset is small, so is the largest gap between all heights.
+    # If the largest gap between the sorted heights of a subset is small, the largest gap between all heights is small.
     # A small gap excludes codes for missing points.
     gaps = np.diff(np.sort(np.concatenate([heights[is_far], [near_sample.min(), near_sample.max()]])))
     if not is_far.any() or (near_sample.size > MIN_DISTINCT_HEIGHTS and not (gaps > max_gap).any()):
@@ -183,7 +181,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
         ),
         key=sum,
     )[1:]
-    # Each entry contains a possible code, its distance from the other heights, and the range of the other heights.
+    # Possible codes, each with its distance from the other heights and with the range of the other heights.
     candidates = []
     for num_low_codes, num_high_codes in code_counts:
         remaining_values = ordered_heights[num_low_codes : ordered_heights.size - num_high_codes]
@@ -292,7 +290,7 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
         run_ends = np.flatnonzero(np.diff(scan.heights) != 0)
         runs = np.diff(run_ends, prepend=-1, append=scan.heights.size - 1)
         longest_run = int(runs.max())
-        # Fraction of points whose height equals the height of the previous point, without the longest run.
+        # Fraction of points whose height equals the height of the previous point, not counting the longest run.
         equal_fraction = (scan.heights.size - runs.size - (longest_run - 1)) / scan.heights.size
         if MIN_EQUAL_RUN_LENGTH <= longest_run < scan.heights.size / 2 and (
             scan.heights.size * equal_fraction ** (longest_run - 1) < MAX_RUN_PROBABILITY
@@ -379,7 +377,7 @@ def _find_excessive_height_range(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _find_contradicted_height_range(scan: ScannedHeights) -> Iterator[str]:
-    """Report a height range far above the declared range, or below it by a power of 1000 (probably a wrong unit).
+    """Report a height range that contradicts the range in the header: far larger, or smaller by a power of 1000.
 
     A declared range that is larger by any other factor may be the measuring range of the instrument.
     """

@@ -56,7 +56,7 @@ _COMPRESSION_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
 class FormatError(ValueError):
-    """Error for a file that is damaged, incomplete or of an unsupported kind, or that would be overwritten.
+    """Error raised for a file that is damaged, incomplete or unsupported, or that would be overwritten.
 
     Notes
     -----
@@ -181,7 +181,7 @@ class RawHeights:
     # Spacing (Δx,) or (Δy, Δx) of the heights, if the file has no positions.
     spacing: tuple[float, ...] | None = None
     declared_spacing: DeclaredLength | None = None
-    # Spacing of the rows and of the columns that the file declares.
+    # Spacing of the rows and spacing of the columns, as declared in the file.
     declared_spacings: tuple[DeclaredLength, DeclaredLength] | None = None
     # Declared height and width of the map.
     size: tuple[DeclaredLength, DeclaredLength] | None = None
@@ -236,7 +236,7 @@ class ColumnTable:
     # True for an array of heights, as in NumPy files and maps of instruments.
     is_array: bool = False
     source: HeightProvenance = HeightProvenance()
-    # Number of each table column in the file, if the file has more columns than the table.
+    # For each column of the table, its number in the file. None if the file has no other columns.
     places: tuple[int, ...] | None = None
     # Number of rows and first line (counted from 1) of each block, if empty lines divide the text into blocks of rows.
     block_lengths: tuple[int, ...] = ()
@@ -246,7 +246,7 @@ class ColumnTable:
     word_columns: tuple[WordColumn, ...] = ()
 
     def last_digit_value_function(self, column: int) -> LastDigitValueFunction | None:
-        """Return a function for the place values of the last printed digits in a column; None if digits are unknown."""
+        """Return a function that computes the place values of the last printed digits in a column; None if unknown."""
         digits = self.digits
         return None if digits is None else lambda: digits(column)
 
@@ -277,7 +277,7 @@ class HeaderDeclarations:
     codes: tuple[float, ...] = ()
     # Integers in a header that are codes for missing points or counts of missing points.
     counts: tuple[float, ...] = ()
-    # Header line that contains a factor or a height range. Neither is applied to the heights.
+    # Header line with a factor or a height range, which is not applied to the heights.
     unapplied_factor_line: str = ""
     points: int | None = None
     tip_radius: DeclaredLength | None = None

@@ -67,7 +67,7 @@ _FILE_SIGNATURES = {
 
 # Maximum size (bytes) of a text file that describes a data file.
 MAX_DESCRIPTION_BYTES = 100_000
-# In the DABAM database, files with format number 1 or 3 contain slopes, and files with number 2 or 4 contain heights.
+# This pattern matches DABAM files that contain slopes (format 1 or 3) instead of heights (format 2 or 4).
 _DABAM_FORMAT_PATTERN = re.compile(rb'\A\s*\{.*"FILE_FORMAT"\s*:\s*([13])\s*[,}]', re.DOTALL)
 
 MissingValueCodes = str | float | Sequence[str | float]

@@ -59,7 +59,7 @@ MAX_RELATIVE_STEP_DEVIATION = 0.5
 # A surface counts as tilted if heights and point index have at least this correlation in every line.
 MIN_TILT_CORRELATION = 0.98
 # Minimum count of heights below the first number of a column.
-# The first number gets a caveat if it has fewer decimals than all heights below.
+# The first number gets a caveat if it has fewer decimals than each of the heights below it.
 MIN_COMPARED_NUMBERS = 20
 # Minimum step of a column of positions, in units of the last printed digit.
 # With steps of fewer than three units, coarsely rounded heights could have equal steps by chance.
@@ -158,7 +158,7 @@ def _remove_unit_from_name(name: str) -> str:
 
 
 def format_name_list(names: Sequence[str], numbers: Sequence[int] | None = None) -> str:
-    """Format the numbers and names of the first few columns or channels for an error message."""
+    """Format the first few columns or channels, each as number and name, for an error message."""
     numbers = range(len(names)) if numbers is None else numbers
     numbered_names = list(zip(numbers, names, strict=True))
     shown_names = ", ".join(f"{index} ({printable_text(name)})" for index, name in numbered_names[:MAX_LISTED_NAMES])
@@ -240,7 +240,7 @@ def _find_contradicting_unit_caveat(table: ColumnTable, unit: str | None) -> tup
 
 
 def _has_height_range(heights: Floats, declared: DeclaredLength) -> bool:
-    """Return whether the height range equals, within rounding, a declared range with at least three digits."""
+    """Return whether heights have the range that the header declares with at least three digits."""
     height_range = float(np.fmax.reduce(heights, axis=None) - np.fmin.reduce(heights, axis=None))
     return abs(height_range - declared.length) <= 0.51 * declared.digit and declared.digit <= 1e-2 * declared.length
 
@@ -368,7 +368,7 @@ def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[st
 
 
 def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
-    """Return a caveat if a column of heights may also contain a step or size at its start, or a count at its end."""
+    """Return a caveat if a column of heights may begin with a step or size, or end with a count of points."""
     if (
         table.values.shape != (table.values.size, 1)
         or table.values.size < MIN_COMPARED_NUMBERS + 1
@@ -673,7 +673,7 @@ def _remove_position_column(table: ColumnTable) -> tuple[ColumnTable, tuple[str,
 
 
 def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None) -> bool:
-    """Return whether the first line of a table contains positions, instead of the heights of a tilted surface."""
+    """Return whether the first line of a table contains positions, and not heights of a tilted surface."""
     first_line = lines[0]
     other_lines = [lines[index] for index in {1, lines.shape[0] // 2, lines.shape[0] - 1} if index]
     if _has_equal_steps_as_printed(first_line, digits):
@@ -683,7 +683,7 @@ def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None
     steps = np.diff(first_line[1:])
     if np.ptp(steps) > MAX_RELATIVE_STEP_DEVIATION * abs(steps.mean()) or not ((steps > 0).all() or (steps < 0).all()):
         return False
-    # Both positions and heights of a tilted surface rise in unequal steps, but only the heights rise in every line.
+    # If the surface is tilted, positions and heights both rise in unequal steps, but only heights rise in every line.
     return any(_correlate_with_index(other_line) < MIN_TILT_CORRELATION for other_line in other_lines)
 
 

@@ -215,7 +215,7 @@ def _parse_spacing_line(
         number_groups[2] and not re.fullmatch(f"{_POINT_WORDS}|lines?|rows?|columns?", number_groups[2], re.I)
         for number_groups in declared_numbers
     ):
-        # The length in the line may be a height resolution in nm per bit.
+        # The line may declare a height resolution in nm per bit instead of a length.
         return None
     if is_resolution and not any(number_groups[2] for number_groups in declared_numbers):
         # The line declares the resolution of the instrument, not the spacing.
@@ -260,7 +260,7 @@ def _parse_optional_unit(unit: str | None) -> str | None:
 def find_first_match(
     pattern: LazyPattern, lines: Sequence[str], parse_match: Callable[[re.Match[str]], _T | None]
 ) -> _T | None:
-    """Return the first result of `parse_match`, other than None, for header lines that begin with a pattern.
+    """Return the first parsed result, other than None, among the header lines that begin with a pattern.
 
     Returns None if no line can be parsed.
     """

@@ -20,8 +20,8 @@ from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FormatError
 WAVE_NUMBER_COLUMN, DENSITY_COLUMN, WAVE_COUNT_COLUMN = "wave number (1/um)", "C2D (um4)", "waves"
 """Column names of a spectrum file. Tables from other programs need not have the last column."""
 
-# A spectrum file has two columns for each scan: fraction of wave vectors, and ratio of densities.
-# The name of each column begins with one of these prefixes.
+# A spectrum file has two columns for each scan, whose names begin with these prefixes:
+# fraction of wave vectors, and ratio of the scan's density to the joined density.
 WAVE_VECTOR_FRACTION_COLUMN_PREFIX, DENSITY_RATIO_COLUMN_PREFIX = "fraction of ", "power over the joined of "
 _SCAN_LINE_PATTERN = re.compile(
     r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)"
@@ -160,7 +160,7 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
     path = parse_path("path", path)
     try:
         text = read_file_bytes(path, MAX_TEXT_BYTES).decode("utf-8-sig", "replace")
-        # Pandas before version 3 would round the numbers of a spectrum file, so they are read as text.
+        # Numbers are read as text, because pandas before version 3 would round the numbers of a spectrum file.
         table = pandas.read_csv(io.StringIO(_HASH_LINE_PATTERN.sub("", text)), dtype=str)
     except OSError as error:
         raise FormatError(f"{printable_path(path)}: cannot be read: {error.strerror}") from None

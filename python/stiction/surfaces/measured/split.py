@@ -63,7 +63,7 @@ class Dialect:
     separator: str | None
     point: str
     thousands: str = ""
-    # True if commas are both separators and decimal marks, so that two cells form one number.
+    # True if commas both separate cells and mark decimals, so that two cells form one number.
     pairs: bool = False
 
     def __str__(self) -> str:
@@ -167,7 +167,7 @@ class NumberBlock:
 
 
 def last_digit_value(values: Floats, decimals: int, digits: int) -> Floats:
-    """Return the place value of each number's last printed digit, from counts of decimals and significant digits."""
+    """Return the place values of the last printed digits of numbers, from the counts of decimals and digits."""
     with np.errstate(divide="ignore", invalid="ignore"):
         decimal_exponents = np.floor(np.log10(np.abs(values)))
     last_digit_exponents = np.where(np.isfinite(decimal_exponents), decimal_exponents, -400) + 1 - digits
@@ -388,7 +388,7 @@ def parse_number_block(
 
 
 def _rows_begin_with_positions(blob: bytes, cell_separator: bytes, count: int) -> bool:
-    """Return whether the first `count` rows begin with positions that continue in equal steps in the later rows."""
+    """Return whether the first `count` rows begin with positions, whose steps equal the steps in later rows."""
     first_cells = [row.split(cell_separator)[0] for row in blob.split(b"\n", count + 3)[:-1]]
     if not count or not all(map(_is_number, first_cells)):
         return False

@@ -43,7 +43,7 @@ MAX_HISTORY_STEPS = 1000
 
 
 # A few lines of numbers above or below a table are ignored, because they do not belong to the table.
-# The maximum count of ignored lines is this fraction of the number of table lines, plus 2.
+# The number of ignored lines is at most this fraction of the number of table lines, plus 2.
 MAX_FOOTER_FRACTION = 0.1
 
 
@@ -130,7 +130,7 @@ def _reject_separated_positions(text: DecodedText, runs: list[tuple[int, int]], 
 def _to_table(
     text: DecodedText, block: NumberBlock, header_start: int, word_columns: Sequence[WordColumnWithMissingLines] = ()
 ) -> ColumnTable:
-    """Convert a block of numbers to a table, with the header that starts at line `header_start`, and the footer."""
+    """Convert a block of numbers to a table with its header (from line `header_start`) and its footer."""
     first, end = int(block.lines[0]), int(block.lines[-1]) + 1
     header, footer = (
         text.nonempty_lines(header_start, first),
@@ -186,7 +186,7 @@ def _to_table(
 
 
 def _find_cut_number(block: NumberBlock) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the last number of a file has fewer decimals than the numbers above, as if cut off."""
+    """Return a caveat if the last number in a file may be truncated: it has fewer decimals than the numbers above."""
     start = int(block.lines.size) - MIN_ROWS_ABOVE_CUT_NUMBER - 1
     if start < 0 or (block.text.line_kinds[int(block.lines[-1]) + 1 :] == TEXT_LINE_CODE).any():
         return ()
@@ -200,7 +200,7 @@ def _find_cut_number(block: NumberBlock) -> tuple[FileCaveat, ...]:
 
 
 def _find_units(words: Iterable[str]) -> tuple[str, ...]:
-    """Return the different units of length in a column of words, or () if a word is not a unit of length."""
+    """Return the distinct units of length in a column of words, or () if any word is not a unit of length."""
     units = [parse_length_unit(word) for word in words]
     return tuple({LENGTH_UNITS[unit]: unit for unit in units if unit}.values()) if all(units) else ()
 
@@ -217,7 +217,7 @@ def make_height_provenance(block: NumberBlock) -> HeightProvenance:
 
 
 def _include_label_line(text: DecodedText, first: int, last: int, dialect: Dialect) -> int:
-    """Return the line at which a table starts: line `first`, or the line above if it lists the column positions."""
+    """Return the first line of a table: the line above `first` if it lists column positions, otherwise `first`."""
     line_above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
     if line_above < 0 or dialect.separator is None:
         return first
@@ -231,7 +231,7 @@ def _include_label_line(text: DecodedText, first: int, last: int, dialect: Diale
 
 
 def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, runs: list[tuple[int, int]]) -> None:
-    """Raise `FormatError` if a line next to a table looks like a row of the table, but has a cell that is not a number.
+    """Raise `FormatError` if a line next to a table looks like a row, but contains a cell that is not a number.
 
     Such a line has as many cells as the rows and is not a line of labels. Most of its cells are numbers, or the next
     line away from the table has the same words.
@@ -258,7 +258,7 @@ def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, run
 def _repeats_words(
     text: DecodedText, dialect: Dialect, kinds: list[str | None], cells: list[str], other_line: int
 ) -> bool:
-    """Return whether a line repeats the words of line `other_line` in the same cells, and is therefore no header."""
+    """Return whether a line has the same words in the same cells as line `other_line`; a header has other words."""
     if not 0 <= other_line < len(text) or (len(cells) > 1 and "number" not in kinds):
         return False
     other_cells = dialect.split_line(text.line(other_line))
@@ -286,7 +286,7 @@ def _are_position_labels(cells: list[str], dialect: Dialect) -> bool:
 def _find_runs_of_equal_width(
     text: DecodedText, runs: list[tuple[int, int]], main_run: tuple[int, int], dialect: Dialect
 ) -> list[tuple[int, int]]:
-    """Return the runs of number lines that have the same number of columns as `main_run`.
+    """Return the runs of number lines with as many columns as the run `main_run`.
 
     Short runs of one or two columns above the first of these runs are left out, because they may be counts or sizes.
     """

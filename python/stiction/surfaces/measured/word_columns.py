@@ -96,7 +96,7 @@ def _may_mix_words_and_numbers(text: DecodedText, runs: Sequence[tuple[int, int]
 
 @dataclass
 class _TableWithTextColumns:
-    """Table with columns of words and columns of numbers, and the lines in which words mark missing points."""
+    """Table in a text with columns of words next to columns of numbers, and the lines that words mark as missing."""
 
     numeric_columns: set[int] = field(default_factory=set)
     lines: list[int] = field(default_factory=list)
@@ -141,7 +141,7 @@ def _find_word_table(text: DecodedText, lines: Sequence[int], separator: str | N
                 table.missing_lines.setdefault(index, []).append(line)
     for index, counts in kinds.items():
         words = Counter({cell: count for cell, count in counts.items() if _is_word(cell, dialect, text, given_words)})
-        # A column in which all words mark missing points is ignored.
+        # A column is ignored if each of its words marks a missing point.
         if words and not {cell.casefold() for cell in counts} <= given_words:
             table.word_counts[index] = words
     return table

@@ -170,7 +170,7 @@ class _MainXml:
 
 
 class _StoredAxis:
-    """Storage format of positions or heights along one axis of an X3P file: data type, increment and offset."""
+    """Storage format of one axis (x, y or z) in an X3P file: data type, increment and offset."""
 
     def __init__(self, root: _MainXml, name: str) -> None:
         path = f"Record1/Axes/C{name}"
