@@ -65,7 +65,7 @@ _COMPANION_FILE_SIGNATURES = {
 
 
 def _ignore_line(_: str) -> None:
-    """Ignore a line of output, in runs that print nothing."""
+    """Ignore a line of output; runs that print nothing use this function as print function."""
 
 
 def run(
@@ -225,7 +225,7 @@ def _print_time_if_long(print_remark: LinePrintFunction, task: str, seconds: flo
 def _compute_alternatives(
     stored_result: StoredResult, executor: Executor, *, progress: bool, print_remark: LinePrintFunction
 ) -> None:
-    """Compute the results for alternative preparations of the scans, which combined intervals must cover.
+    """Compute results with alternative preparations of the scans; the combined interval must include these results.
 
     If an alternative cannot be computed, the pair keeps its result, and a remark states the reason.
     """
@@ -294,7 +294,7 @@ def compute_companion_files(
 
 
 def _write_onset_table(result: Result, onset: xarray.Dataset) -> None:
-    """Write the onset of sliding, scaled to the result's coefficient, as a table, unless the table is up to date."""
+    """Scale the onset of sliding to the coefficient of the result, and write it as a table, unless it is stored."""
     scaled_onset = result.scale_onset(onset)
     if scaled_onset is None or result.path is None:
         return

@@ -55,7 +55,7 @@ MAX_SOLVES_PER_CONTACT_LOAD = 60
 # Maximum number of contact solutions of maps for one contact load in the search for the pull-off load.
 # If the attraction converges slowly, as for soft bodies, energy minimizations are faster.
 MAX_SOLVES_PER_TRIAL_CONTACT_LOAD = 12
-# The tolerance of the contact solutions is reduced after this number of solutions without a smaller residual.
+# After this number of contact solutions without a smaller residual, the tolerance of the solutions is reduced.
 MAX_STALLED_SOLVES = 20
 # The attraction has converged if its relative residual is at most this multiple of the solver tolerance.
 MAX_RESIDUAL_TO_TOLERANCE_RATIO = 10.0
@@ -64,27 +64,27 @@ MIN_SOLUTION_TOLERANCE = 1e-8
 # Tolerance of a contact solution, divided by the latest residual of the iteration.
 TOLERANCE_TO_RESIDUAL_RATIO = 0.05
 # Tolerance of a contact solution, divided by the latest residual, in an iteration without extrapolated steps.
-# The tolerance is large, because plain steps do not amplify errors.
+# The tolerance may be large, because errors of a contact solution do not grow in plain steps.
 PLAIN_TOLERANCE_TO_RESIDUAL_RATIO = 1.0
 MAX_SOLUTION_TOLERANCE = 1e-3
 # While the bodies separate, the attraction may rise by this fraction of its maximum, due to numerical errors.
 MAX_NUMERICAL_ATTRACTION_INCREASE = 1e-3
 # Bodies count as separate if the contact load is below this fraction of the mean attraction at first contact.
 MIN_CONTACT_LOAD_RATIO = 1e-3
-# Ratio of successive contact loads while the bodies separate.
+# Ratio of each contact load to the previous contact load while the bodies are separated.
 CONTACT_LOAD_REDUCTION_RATIO = 0.6
 # Relative tolerance of the pull-off load.
 # The search ends if the bodies separate at a load that is below the lowest equilibrium load by this fraction.
 PULL_OFF_LOAD_TOLERANCE = 0.01
-# A pull-off load passes a test if plain steps separate the bodies at an external load that is lower by this fraction.
+# A pull-off load is confirmed if plain steps separate the bodies at an external load that is lower by this fraction.
 LOAD_MARGIN_OF_MINIMUM_CHECK = 0.05
-# Interpolation between equilibria continues only if the predicted load is below all computed loads by this fraction.
+# Interpolation between equilibria continues only if the predicted load is below every computed load by this fraction.
 MIN_PREDICTED_LOAD_DECREASE = 0.003
 # Two equilibria are interpolated only if their contact loads differ by at least this fraction.
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
 # Maximum number of equilibria that are computed at interpolated contact loads.
 MAX_REFINEMENT_SOLVES = 6
-# If bodies separate after the load changes by more than this fraction, the new load may still have an equilibrium.
+# A separation shows that a load has no equilibrium only if the load was changed by at most this fraction.
 MAX_LOAD_STEP = 0.1
 # Maximum number of external loads that the search for the pull-off load tries.
 MAX_TRIAL_LOADS = 40
@@ -102,7 +102,7 @@ class EquilibriumNotFoundError(NoSolutionError):
 
 @dataclass
 class _IterationState:
-    """State from which an interrupted iteration towards an adhesive equilibrium resumes."""
+    """State of an iteration towards an adhesive equilibrium, from which an interrupted iteration can resume."""
 
     attraction: Floats
     pressure: Floats | None = None
@@ -115,7 +115,7 @@ class _IterationState:
     stalled_count: int = 0
     number: int = 0
 
-    # Data from which the caller decides when to stop the iteration: number of states, best state and residuals.
+    # Number of states, best state and residuals, from which the caller decides when to stop the iteration.
     num_states: int = 0
     best_state: AdhesionState | None = None
     best_state_number: int = 0
@@ -195,7 +195,7 @@ class AdhesionSolver:
         self, near: AdhesionState, contact_load: float, *, earlier_state: AdhesionState,
         max_solves: int = MAX_SOLVES_PER_CONTACT_LOAD,
     ) -> AdhesionState:  # fmt: skip
-        """Compute the equilibrium at a mean contact pressure (GPa) by iteration, starting from the state `near`.
+        """Find the adhesive equilibrium at a mean contact pressure (GPa) by iteration, starting from the state `near`.
 
         Nowhere may the attraction exceed the attraction in `earlier_state`: the bodies then support the load when they
         are pulled apart. Otherwise, or if the iteration has not converged after `max_solves` contact solutions,
@@ -267,7 +267,7 @@ class AdhesionSolver:
         return _to_adhesion_state(result), bool(result["is_balanced"])
 
     def _start_iteration(self, near: AdhesionState | None) -> _IterationState:
-        """Return the first state of an iteration: the state that an interrupted run stored or, without one, `near`."""
+        """Return the first state of an iteration: the stored state of an interrupted run or, without one, `near`."""
         if (state := self.record.read_state()) is not None:
             return _IterationState.from_step_result(state)
         if near is None:
@@ -307,7 +307,7 @@ class AdhesionSolver:
             state.residual = residual
             state.stalled_count = 0 if residual < state.least_residual else state.stalled_count + 1
             state.least_residual = min(state.least_residual, residual)
-            # The tolerance of the contact solutions may be too coarse to reduce the residual further.
+            # Contact solutions with the present tolerance may be too inaccurate to reduce the residual further.
             if state.stalled_count > MAX_STALLED_SOLVES:
                 state.tolerance_ratio, state.stalled_count = state.tolerance_ratio / 10, 0
             next_attraction = np.clip(attraction + attraction_change, 0.0, self.max_attraction)
@@ -319,7 +319,7 @@ class AdhesionSolver:
             state.attraction = next_attraction
 
     def _solution_tolerance(self, state: _IterationState) -> float:
-        """Return the tolerance of the next contact solution, which is coarse while the attraction still changes.
+        """Return the tolerance of the next contact solution, which is coarse as long as the attraction changes.
 
         The tolerance is proportional to the residual of the iteration, within limits.
         """
@@ -413,7 +413,8 @@ class AdhesionSolver:
         # An equilibrium that was computed for a contact load may be unstable under its external load.
         # Energy minimizations may start only from equilibria that are stable under their external load.
         states, stable_states = [*first_states, find_state_of_lowest_load(states)], list(first_states)
-        # Contact loads are positive, so no later load can be below the negative attraction of an earlier state.
+        # An external load is (contact load) - (mean attraction). Contact loads are positive, and attraction decreases,
+        # so no later load can be below -(mean attraction of an earlier state).
         unsupported_load, is_certain = -first_states[-1].mean_attraction, True
         try:
             first_load = self._find_pull_off_load_on_coarser_grid(start)
@@ -430,7 +431,7 @@ class AdhesionSolver:
                     load = min(max(load, (1 + relative_step) * least_load), next_load)
                     relative_step *= 2
                     if unsupported_load >= next_load:
-                        # The bodies separated in an iteration from a distant load, which may have passed equilibria.
+                        # The separating iteration started from a distant load, so it may have passed equilibria.
                         is_near = near.load < (1 - MAX_LOAD_STEP) * unsupported_load
                         load = unsupported_load if is_near else near.load + approach_step * (least_load - near.load)
                 if number == 0 and unsupported_load < first_load < least_load:
@@ -459,7 +460,7 @@ class AdhesionSolver:
         equilibrium, plain steps cannot.
         """
         least_load = find_state_of_lowest_load(states).load
-        # Between two equilibria, the load is at least (contact load of the later) - (mean attraction of the earlier).
+        # A load between two equilibria is at least (later contact load) - (earlier mean attraction).
         load_bounds = [later.contact_load - earlier.mean_attraction for earlier, later in itertools.pairwise(states)]
         if min([*load_bounds, -states[-1].mean_attraction]) >= (1 + PULL_OFF_LOAD_TOLERANCE) * least_load:
             return True
@@ -526,7 +527,7 @@ class AdhesionSolver:
             return 0.0
 
     def extend_unloading_states(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Extend a series of equilibria to lower contact loads, and return the extended list.
+        """Append equilibria at lower and lower contact loads to a series, and return the extended series.
 
         The series ends when the external load rises, or when no further equilibrium is found.
         """
@@ -658,7 +659,7 @@ class EnergyMinimizer:
 
 
 def _extrapolation_factor(residual: float, previous_residual: float, max_factor: float) -> float:
-    """Return the ratio of an extrapolated step to a plain step of the attraction, limited to `max_factor`.
+    """Return the length of an extrapolated step of the attraction, relative to a plain step, up to `max_factor`.
 
     It is the sum 1/(1 - r) of the geometric series whose ratio r is the ratio of the two last residuals.
     """
@@ -674,7 +675,7 @@ def find_state_of_lowest_load(states: list[AdhesionState]) -> AdhesionState:
 def _interpolate_minimum_load(
     states: list[AdhesionState], upper: AdhesionState, lower: AdhesionState
 ) -> tuple[float, float]:
-    """Return the lowest external load that interpolation between equilibria predicts, and its contact load (GPa).
+    """Return the lowest external load predicted by interpolation between equilibria, and the contact load there (GPa).
 
     The mean attraction is interpolated by a polynomial in the logarithm of the contact load.
     """
@@ -713,7 +714,7 @@ def solve_with_adhesion(
 def solve_separation(
     contact_solution: ContactSolution, *, tolerance: float, record: SolutionRecord
 ) -> tuple[list[ContactSolution], str]:
-    """Return the contact solutions during separation, and the reason why the pull-off load is uncertain, or ""."""
+    """Return the contact solutions during separation, and why the pull-off load is uncertain ("" if it is certain)."""
     problem, total_area = (
         contact_solution.problem,
         contact_solution.problem.cell_area * contact_solution.problem.gap.size,
@@ -723,7 +724,7 @@ def solve_separation(
     start_values = float(pressure.mean()), contact_solution.load / total_area, contact_solution.approach
     start = AdhesionState(pressure.ravel(), np.asarray(contact_solution.attraction), *start_values)
     descending_states, least_load = [], start.load
-    # While the load decreases, the bodies reach only equilibria whose load is below all earlier equilibrium loads.
+    # While the load decreases, the bodies reach an equilibrium only if its load is below all earlier equilibrium loads.
     for state in solver.trace_separation(start)[1:]:
         if state.load < least_load:
             descending_states.append(state)

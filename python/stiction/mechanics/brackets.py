@@ -26,7 +26,7 @@ EXTRAPOLATED_WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
 def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
-    """Return the largest factor, in 95 % of cases, by which κ = A E* h'/F changes if the scan becomes finer.
+    """Return the factor that bounds, in 95 % of cases, the change of κ = A E* h'/F if the scan becomes finer.
 
     The coefficient κ = A E* h'/F relates the real contact area A to the load F and to the rms gradient h'.
 
@@ -37,7 +37,7 @@ def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
 
 
 def gap_rms_gradient(gap: Profile | Surface, *, periodic: bool) -> float:
-    """Return the rms gradient of a gap from slopes at grid points, computed as in the half-space model."""
+    """Return the rms gradient of a gap, from its slopes at grid points; the half-space model uses the same slopes."""
     gap_slopes = grid_slopes(gap.heights, gap.spacings, periodic=periodic)
     return math.sqrt(sum(float(np.mean(np.square(slope))) for slope in gap_slopes))
 
@@ -56,7 +56,7 @@ def estimate_gap_hurst_exponent(gap: Profile | Surface, periodic: bool) -> Hurst
 def plastic_wavelength(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, gradient: float, spread: float
 ) -> tuple[float, float, float]:
-    """Return the cutoff (µm) at which the gap has the rms gradient `gradient`, with the cutoff's uncertainty limits.
+    """Return the cutoff (µm) at which a gap has the rms gradient `gradient`, with lower and upper limit of the cutoff.
 
     The limits follow from the Hurst exponent's interval and from a relative uncertainty of the gradient by the factor
     `spread`. NaN is returned if there is no such wavelength.
@@ -112,7 +112,7 @@ def developed_interface_area_ratio(gradient: Floats) -> Floats:
 
 
 def transverse_slope_factor(gradient: Floats, dimensions: int) -> Floats:
-    """Return the factor by which slopes across the motion raise mu_s if friction acts at all contacts.
+    """Return the factor by which slopes transverse to the motion increase mu_s, if friction acts at all contacts.
 
     The factor is 1 + h'²/16 for height maps whose gap has the rms gradient h', and 1 for profiles.
     """

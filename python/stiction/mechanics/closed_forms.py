@@ -27,7 +27,7 @@ from stiction.mechanics.model import SlidingRule
 _NUM_BISECTIONS = 64
 # A specified rms slope may exceed the rms gradient by at most this fraction, which is round-off.
 _SLOPE_TOLERANCE = 1e-9
-# Below this standard deviation of the slopes s, a short series gives the mean of (1 + s²)^(1/2) with full precision.
+# Standard deviation of the slopes s below which a short series gives the mean of (1 + s²)^(1/2) with full precision.
 _SMALL_SLOPE_LIMIT = 1e-3
 
 _P = ParamSpec("_P")
@@ -416,7 +416,7 @@ def maugis_dugdale(
             ):
                 lower_limit -= 1
             if _maugis_radius_and_load(lower_limit, attraction_strength)[1] < force / force_unit:
-                # The contact and the zone of attraction around it have radii whose difference is below round-off.
+                # The radii of the contact and of the surrounding zone of attraction differ by less than round-off.
                 raise ArithmeticError
             log_ratio = brentq(
                 lambda x, s=attraction_strength, f=force / force_unit: _maugis_radius_and_load(x, s)[1] - f,
@@ -499,7 +499,7 @@ def fuller_tabor(
     relative_pull_off = np.empty(relative_deviations.shape)
     for index in np.ndindex(relative_pull_off.shape):
         relative_deviation = float(relative_deviations[index])
-        # Contact radii a are divided by the radius at zero load, heights by δ, and loads by 3/2 π w R.
+        # Contact radii a are in units of the radius at zero load, heights in units of δ, loads in units of 3/2 π w R.
         a = np.linspace(6 ** (-2 / 3), 1 + np.sqrt(3 + 3 * relative_deviation), 4000)
         force, height = 4 * (a**3 - a**1.5), (a**2 - np.sqrt(a) * 2 / 3) * 6 ** (4 / 3) / 3
 
@@ -688,7 +688,7 @@ def hertz_ellipse(
     )
     larger_radius, smaller_radius = np.maximum(r1, r2), np.minimum(r1, r2)
     ratio = smaller_radius / larger_radius
-    # Bisection finds the axis ratio k, because R_D(0, k², 1)/R_D(0, 1, k²) increases with k and is smaller than k.
+    # Bisection between `ratio` and 1 finds the axis ratio k: R_D(0, k², 1)/R_D(0, 1, k²) increases with k, and is < k.
     log_low, log_high = np.log(ratio), np.zeros(ratio.shape)
     for _ in range(_NUM_BISECTIONS):
         log_middle = 0.5 * (log_low + log_high)
@@ -1161,7 +1161,7 @@ def westergaard_gap(
 def _compute_sinusoid_terms(
     x: ArrayLike, mean_pressure: ArrayLike, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """Return sin and cos of πx/λ, mean pressure p̄, full-contact pressure p* and amplitude from checked arguments."""
+    """Return sin(πx/λ), cos(πx/λ), mean pressure, full-contact pressure and amplitude of a sinusoidal contact."""
     p, d, wavelengths, e = validate_positive_arguments(
         mean_pressure=mean_pressure, amplitude=amplitude, wavelength=wavelength, effective_modulus=effective_modulus
     )

@@ -39,7 +39,7 @@ Status = Literal[
 The coefficient of a point with the status "bulk-shear" is a lower limit, because the softer body shears.
 """
 
-# Files store the index of a status, so new statuses must be added at the end.
+# Files store the index of a status, so new statuses must be added at the end of the list.
 STATUSES: tuple[Status, ...] = get_args(Status)
 STATUS_OK: Status = "ok"
 STATUS_SELF_LOCKED: Status = "self-locked"
@@ -168,7 +168,7 @@ class FrictionLaw:
         return np.minimum(coefficient, 2 / self.junction_growth) if self.uses_slip_lines else coefficient
 
     def growth_effect(self, hardness: float) -> float:
-        """Return the relative change of the plastic friction coefficient if contacts grow by slip-line theory.
+        """Return the relative change of the plastic friction coefficient due to junction growth by slip-line theory.
 
         The change is negative if the softer body shears.
         """
@@ -215,7 +215,7 @@ class FrictionLaw:
         pressure = self.yield_pressure(hardness) if pressure is None else pressure
         plastic_coefficient = self.mu0 + self.tau0 / pressure
         if not self.uses_slip_lines:
-            # If the contact seizes, `pressure` is NaN, and the comparison is False.
+            # If the contact seizes, `pressure` is NaN, so the comparison gives False.
             is_carried = pressure > load / nominal_area
             area_at_onset = np.where(is_carried, area(np.where(is_carried, pressure, hardness)), np.inf)
             return OnsetState(plastic_coefficient, area_at_onset, np.ones(()))
@@ -234,7 +234,7 @@ class FrictionLaw:
         )
 
     def _compute_remaining_friction_fraction(self, load: Any, area: Any, pressure: Any, hardness: Any) -> Floats:
-        """Return the fraction of the friction force that remains if the shear strength of the body limits tractions.
+        """Return the factor by which the shear strength of the softer body reduces the friction force.
 
         The traction at each point is the smaller of mu0 p + tau0 and the shear strength k. The pressures p follow a
         Weibull distribution over the true area, which is limited at `pressure` and has the mean load/area. The
@@ -256,7 +256,7 @@ class FrictionLaw:
 
 @dataclass(frozen=True)
 class OnsetState:
-    """State of contacts at the onset of sliding: plastic friction coefficient, true area and friction fraction.
+    """Contacts at the onset of sliding: plastic friction coefficient, true area, and fraction of mu0 F + tau0 A.
 
     Attributes
     ----------
@@ -291,7 +291,7 @@ def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, shear_ratio: Any) -> F
     with np.errstate(invalid="ignore"):
         x = np.fmax(2 * margin / (linear_coefficient + np.sqrt(linear_coefficient**2 + 8 * margin)), 0.0)
         x = np.minimum(x, np.sqrt(0.5))
-        # If all interfaces are stronger than the softer body, x is 0 and stays 0.
+        # If all interfaces are stronger than the softer body, x is 0, and no iteration is needed.
         for _ in range(NUM_PRESSURE_STEPS if x.any() else 0):
             cosine = np.sqrt(1 - x**2)
             residual = margin - 2 * x**2 - slope * (2 * np.arcsin(x) + 2 * x * cosine)
@@ -301,7 +301,7 @@ def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, shear_ratio: Any) -> F
 
 
 def _compute_limited_pressure_ratio(limit: Any, mean: Any) -> Floats:
-    """Return mean(min(p, limit)) / mean(p) for pressures p with a Weibull distribution; the ratio is at most 1.
+    """Return the mean of min(p, limit), divided by the mean of p, for pressures p with a Weibull distribution.
 
     The fraction is interpolated in a table, with errors below 1e-4.
     """
@@ -316,7 +316,7 @@ def _compute_limited_pressure_ratio(limit: Any, mean: Any) -> Floats:
 
 @lru_cache(maxsize=1)
 def _tabulate_limited_pressure_ratios() -> Floats:
-    """Tabulate the ratio mean(min(p, limit)) / mean(p) of pressures p over mean(p) and limit/(limit + mean(p)).
+    """Tabulate mean(min(p, limit)) / mean(p) for Weibull pressures p, over mean(p) and limit/(limit + mean(p)).
 
     A pressure exceeds p < 1 with the probability exp(-rate p^shape). The shape, 1.5 - 0.65 mean(p), was fitted to rough
     pairs from elastic to plastic contact. The rates are found by bisection.
@@ -324,7 +324,7 @@ def _tabulate_limited_pressure_ratios() -> Floats:
     from scipy.special import gamma, gammainc
 
     mean_pressures = np.linspace(MIN_TABULATED_MEAN_PRESSURE, 1.0, NUM_TABULATED_VALUES)[:, np.newaxis]
-    # At a mean pressure of 1, `rate` would be 0, and its logarithm infinite, so the table ends slightly below 1.
+    # The table ends slightly below a mean pressure of 1, where `rate` would be 0 and its logarithm infinite.
     mean_pressures = np.minimum(mean_pressures, 0.9999)
     shape = 1.5 - 0.65 * mean_pressures
     log_low, log_high = np.full_like(mean_pressures, -12.0), np.full_like(mean_pressures, 12.0)
@@ -345,7 +345,7 @@ def _tabulate_limited_pressure_ratios() -> Floats:
 def _solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Floats:
     """Return the pressure p at which a sliding contact yields: p² + α (mu0 p + tau0)² = H²."""
     half_linear_coefficient = alpha * (mu0 * tau0)
-    # If `constant_term` is zero or negative, the contact seizes.
+    # The contact seizes if α tau0² is at least H², that is, if `constant_term` is not positive.
     constant_term = np.square(hardness) - alpha * tau0**2
     with np.errstate(invalid="ignore"):
         pressure = constant_term / (
@@ -387,7 +387,7 @@ class ContactSums:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Validity(TextReprMixin):
-    """Validity indicators of the asperity model at each approach.
+    """Validity indicators of the asperity model at each approach, such as the load fraction beyond Hertz theory.
 
     Load fractions are NaN without contact.
 
@@ -461,7 +461,7 @@ VALIDITY_RATIOS: dict[str, tuple[str, tuple[str, ...]]] = {
 
 
 def validity_ratio(name: str, sums: Any) -> Floats:
-    """Return the validity indicator `name` from contact sums.
+    """Compute the validity indicator `name` of the asperity model from contact sums.
 
     Returns NaN if numerator and denominator are zero.
 
@@ -473,7 +473,7 @@ def validity_ratio(name: str, sums: Any) -> Floats:
 
 
 def compute_ratios(sums: Mapping[str, Floats], load: Floats, nominal_area: float | None = None) -> dict[str, Floats]:
-    """Compute the quantities that are ratios of contact sums, such as the mean pressure, at a load (mN).
+    """Compute ratios of contact sums, such as the mean pressure, at a load (mN), keyed by quantity name.
 
     The sums belong to a member, or are means over an ensemble. Area fraction, nominal pressure and stiffnesses per area
     require the nominal area (µm²). The keys of the returned mapping are names of quantities.
@@ -593,7 +593,7 @@ def choose_statuses(
 
 
 def statuses_of_approaches(contact_count: ArrayLike, normal: Floats) -> NDArray[Any]:
-    """Return "ok", "self-locked" or "no-contact" for each approach, given contact counts and normal loads (mN)."""
+    """Return "ok", "self-locked" or "no-contact" as the status of each approach, from contact counts and loads (mN)."""
     return choose_statuses(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 

@@ -358,7 +358,7 @@ class HalfSpaceCurve(FrictionCurve):
         return self._with_contact_sums(replace(self._model, sliding=sliding), self._sums)
 
     def with_direction(self, direction: Direction | Sequence[Direction]) -> HalfSpaceCurve:
-        """Return the curve for other directions of motion without computing the contacts again.
+        """Return a load curve for other directions of motion; the contacts are not computed again.
 
         Parameters
         ----------
@@ -622,7 +622,7 @@ def _solve_contacts(
 def _report_progress(
     progress: Callable[[int, int, float], object], num_solved: int, index: int, iteration: int, error: float
 ) -> None:
-    """Report a solver iteration at the loading step with the number `index` in its group of loading steps.
+    """Report the progress of a solver iteration; `index` is the number of the loading step within its group of steps.
 
     `num_solved` steps precede the group.
     """
@@ -669,7 +669,7 @@ def _make_curve(
 def _compute_contact_sums(
     model: ContactModel, contacts: Sequence[ContactSolution], sums: PatchSums
 ) -> dict[str, Floats]:
-    """Return the contact sums of `HalfSpaceCurve` by name, with shapes (k loads,) or (d directions, k loads)."""
+    """Return the contact sums of a half-space curve by name, with shapes (k loads,) or (d directions, k loads)."""
     totals = sums.totals(model.sliding)
     if contacts[0].problem.work_of_adhesion > 0:
         totals["normal_elastic"] = totals["normal_elastic"] - [solution.attraction_force for solution in contacts]

@@ -185,7 +185,7 @@ class ContactSolution:
         return self.points, self.values, self.share, self.patch
 
     def on_grid(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Return an array on the grid with the given values at the contact points, and 0 at all other points."""
+        """Return an array over the grid, with `values` at the contact points and 0 at all other points."""
         grid = np.zeros(self.problem.gap.size, values.dtype)
         grid[self.points] = values
         return grid.reshape(self.problem.gap.shape)
@@ -218,7 +218,7 @@ class ContactSolution:
 
     @cached_property
     def closure_stiffness(self) -> float:
-        """Closure stiffness dp/dc (GPa/µm), nominal pressure per closure, if the contact points do not change.
+        """Closure stiffness dp/dc (GPa/µm), for nominal pressure p and closure c, if the contact points do not change.
 
         The closure is the decrease of the mean gap: the approach minus the mean displacement of the surface. The
         stiffness is infinite at full contact, and NaN if all points have yielded.
@@ -246,23 +246,23 @@ class ContactSolution:
 
     @cached_property
     def loading_compliances(self) -> tuple[float, float]:
-        """Loading compliances of the points below the hardness: two displacements (µm), see `cache_compliances`."""
+        """Loading compliances of the contact points below the hardness: two displacements, see `cache_compliances`."""
         return self._compute_compliances("loading_compliances")
 
     @cached_property
     def unloading_compliances(self) -> tuple[float, float]:
-        """Unloading compliances of all contact points: two displacements (µm), see `cache_compliances`."""
+        """Unloading compliances of all contact points: two displacements, see `cache_compliances`."""
         return self._compute_compliances("unloading_compliances")
 
     @cached_property
     def response_at_fixed_tilt(self) -> tuple[Floats, float]:
-        """Pressures (sum 1 GPa) that cause an equal displacement of all contact points, and this displacement (µm)."""
+        """Pressures (sum 1 GPa) that displace all contact points by an equal distance, and this distance (µm)."""
         if self.problem.has_free_tilt:
             return self.problem.grids.linear_response(self.on_grid(self._all_points), threads=solver_thread_count())
         return self._linear_response if self.is_elastic else self._unloading_response
 
     def _compute_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return pressures (sum 1 GPa) that displace all points of a mask equally, and their common displacement."""
+        """Return pressures (sum 1 GPa) that displace the points of a mask equally, and the displacement (µm)."""
         if not self.problem.has_free_tilt:
             return self.problem.grids.linear_response(self.on_grid(free_mask), threads=solver_thread_count())
         return TiltResponse.solve(self.problem, self.on_grid(free_mask)).balanced_response()
@@ -272,7 +272,7 @@ class ContactSolution:
         return displacement, float((pressures * self.problem.uniform_pressure_displacement).sum())
 
     def _get_compliances(self, free_mask: NDArray[np.bool_]) -> tuple[float, float]:
-        """Return the loading compliances for the mask `below_hardness`, and the unloading compliances otherwise."""
+        """Return the loading compliances if `free_mask` is `below_hardness`, or else the unloading compliances."""
         return self.loading_compliances if free_mask is self.below_hardness else self.unloading_compliances
 
     def _compute_stiffness(self, free_mask: NDArray[np.bool_]) -> float:
@@ -299,7 +299,7 @@ _RESPONSE_NAMES = {"loading_compliances": "_linear_response", "unloading_complia
 
 
 def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) -> None:
-    """Compute the missing compliances of all solutions in one call of the core, and store them in the solutions.
+    """Compute all compliances that the solutions lack, in one call of the core, and store them in the solutions.
 
     The compliances of a contact are two displacements (µm), due to pressures with a sum of 1 GPa that displace its
     points equally: the displacement of these points, and the sum of the pressures times the displacements under a
@@ -307,7 +307,7 @@ def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) 
     """
     missing_compliances: list[tuple[ContactSolution, str]] = []
     for solution in solutions:
-        # The loading and the unloading response are equal if no point of the contact has yielded.
+        # The responses to loading and to unloading are equal if no point of the contact has yielded.
         name = "unloading_compliances" if unloading and not solution.is_elastic else "loading_compliances"
         is_computed = name in vars(solution) or _RESPONSE_NAMES[name] in vars(solution)
         if not is_computed and not solution.problem.has_free_tilt and (unloading or solution.below_hardness.any()):
@@ -330,7 +330,7 @@ def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) 
 
 
 def sum_friction_over_patches(solutions: Sequence[ContactSolution], directions: Floats) -> PatchSums:
-    """Return the friction sums of all patches in k solutions, for m directions of motion as unit vectors (m, 2)."""
+    """Return the friction sums of each contact patch in k solutions, for m directions of motion (unit vectors)."""
     problem = solutions[0].problem
     # With free tilt, each load has its own contact problem, because the tilt changes the gap.
     if any(solution.problem is not problem for solution in solutions):
@@ -423,7 +423,7 @@ def min_resolved_adhesion_range(work: float, spacing: float, effective_modulus: 
 
 
 def coarsen_problem(problem: HalfSpaceProblem) -> HalfSpaceProblem:
-    """Return the problem on every second grid point.
+    """Return a coarser copy of a contact problem, with every second grid point along each axis.
 
     An attraction range that this grid cannot resolve is increased.
     """
@@ -458,7 +458,7 @@ StepKind = Literal["loads", "approaches"]
 def parse_loads_or_approaches(
     problem: HalfSpaceProblem, loads: ArrayLike | None, approaches: ArrayLike | None
 ) -> tuple[StepKind, Floats]:
-    """Return the kind of the given steps, "loads" or "approaches", and the checked loads (mN) or approaches (µm)."""
+    """Check loads or approaches; return "loads" with loads (mN), or "approaches" with approaches (µm)."""
     step_kind: StepKind = "loads" if approaches is None else "approaches"
     given_values = loads if approaches is None else approaches
     if given_values is None or (loads is not None and approaches is not None):
@@ -514,7 +514,7 @@ def lever_arms(problem: HalfSpaceProblem) -> list[Floats]:
 
 @dataclass(frozen=True, eq=False)
 class TiltResponse:
-    """Response of fixed contact points to mean pressure and tilt: changes of pressures, approach and moments."""
+    """Linear response of contact points to a mean pressure and to a tilt: changes of pressure, approach and moment."""
 
     # Pressures (GPa) at the contact points due to a mean pressure of 1 GPa.
     pressure: Floats
@@ -522,7 +522,7 @@ class TiltResponse:
     approach: float
     # Moments (GPa µm) about each of n axes, due to a mean pressure of 1 GPa.
     moments: Floats
-    # Change of the pressures (GPa) per unit slope along each axis, at constant load.
+    # Change of the contact pressures (GPa) per unit slope of the upper surface along each axis, at constant load.
     slope_pressures: list[Floats]
     # Change of the moments about n axes per unit slope along n axes, as an n × n matrix.
     # The matrix is negative definite if several points touch.
@@ -530,7 +530,7 @@ class TiltResponse:
 
     @classmethod
     def solve(cls, problem: HalfSpaceProblem, free_mask: NDArray[np.bool_]) -> TiltResponse:
-        """Compute the response of the contact points in a mask to a mean pressure of 1 GPa and to unit slopes."""
+        """Compute how pressures at the points of a mask respond to a mean pressure of 1 GPa, and to unit slopes."""
         max_pressure = np.where(free_mask, MAX_LINEAR_RESPONSE_PRESSURE, 0.0)
         arms = lever_arms(problem)
 
@@ -561,7 +561,7 @@ class TiltResponse:
         return cls(pressure, approach, moments, slope_pressures, (moments_per_slope + moments_per_slope.T) / 2)
 
     def balanced_response(self) -> tuple[Floats, float]:
-        """Return pressures (sum 1 GPa) whose resultant acts at the centre, and the approach (µm) that they cause."""
+        """Return pressures (sum 1 GPa) with a tilt that centres their resultant, and the resulting approach (µm)."""
         slopes = -np.linalg.lstsq(self.moments_per_slope, self.moments, rcond=None)[0]
         pressure = self.pressure + sum(
             slope * slope_pressure for slope, slope_pressure in zip(slopes, self.slope_pressures, strict=True)

@@ -24,7 +24,7 @@ from stiction.mechanics.model import (
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-# Smallest computed approach, as a fraction of the range of the gap.
+# Smallest approach that is computed, as a fraction of the range of the gap.
 # At smaller approaches, a single contact carries the whole load.
 _MIN_APPROACH_TO_GAP_RANGE = 1e-6
 # Ratio of successive approaches in the search for a load.
@@ -161,7 +161,7 @@ class SurfacePair:
             or cached_candidates.deepest < deepest
             or cached_candidates.curvature != model.curvature
         ):
-            # The search for contact candidates goes beyond the requested approach, as later requests may be larger.
+            # The search for candidates goes beyond the requested approach, as a later request may be larger.
             cached_candidates = candidates(
                 self.upper, self.lower, deepest=_CANDIDATE_APPROACH_FACTOR * deepest, curvature=model.curvature
             )

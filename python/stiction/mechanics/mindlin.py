@@ -59,7 +59,7 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
 
 
 def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
-    """Return the mean of sin² in `compliance_ratio` (argument `transverse_fraction`) for each elliptic contact.
+    """Return the argument `transverse_fraction` of `compliance_ratio` for each elliptic contact.
 
     `axes` are the semi-axes, and `angle` (rad) is the angle between the motion and the larger semi-axis.
     """
@@ -150,7 +150,7 @@ class AsperityTangentialProblem:
         return float(((strength * slip_distance * sine) @ weights * end_angle[:, 0]).sum())
 
     def _spring_strengths(self, sine: Floats) -> Floats:
-        """Return the strengths (mN) of all springs: 3/4 mu0 F s² + 2/π tau0 A s, where s is the argument `sine`."""
+        """Return the strengths (mN) of the springs in each contact: 3/4 mu0 F s² + 2/π tau0 A s, where s is `sine`."""
         return np.asarray(
             0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
         )
@@ -237,7 +237,7 @@ class HalfSpaceTangentialProblem:
         return {name: value for name, value in vars(self).items() if name != "_solver"}
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
-        """Return the slip state of minimum energy whose tractions support a tangential load (mN)."""
+        """Return the slip state of lowest energy among the states that support a tangential load (mN)."""
         if load >= self.sliding_load:
             displacements = self._compute_displacements(self.bound)
             return self._make_slip_state(self.sliding_load, self.bound, float(displacements.max()), displacements)

@@ -353,7 +353,7 @@ MIN_RELATIVE_STRENGTH = 1e-9
 
 
 def resolve_index(index: Any, count: int, items: str) -> int:
-    """Return a nonnegative index for a valid index, which may be negative to count from the end."""
+    """Convert an index that may count from the end (negative) to a nonnegative index, or raise a `ValueError`."""
     try:
         checked_index = validate_whole_number("index", index, minimum=-count, maximum=count - 1)
     except ValueError:

@@ -128,7 +128,7 @@ class LuGre(TextReprMixin):
 def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffness: float) -> FourParameterIwan:
     """Fit the Iwan model to an onset curve by least squares of the tangential load."""
     _check_curve(displacement, load, MIN_FIT_POINTS)
-    # The import, which takes 0.2 s, comes after the check, which may raise an error.
+    # The arguments are checked first, because the import takes 0.2 s.
     from scipy.optimize import least_squares
 
     def iwan_model(parameters: Floats, residual: Floats) -> FourParameterIwan:

@@ -85,7 +85,7 @@ class ResultQuantity:
     # True if the quantity is roughly proportional to the load.
     # A proportional quantity is divided by the load and then interpolated, linearly in the logarithm of the load.
     proportional: bool = False
-    # False if adhesion makes the quantity nonzero without a load.
+    # Instead of a proportional quantity, its ratio to the load is interpolated, linearly in the logarithm of the load.
     proportional_with_adhesion: bool = True
     # True if the mean of the quantity over an ensemble is weighted by the load.
     weighted: bool = False
@@ -685,13 +685,13 @@ INTERVAL_KIND_ATTRIBUTE = "interval_kind"
 
 
 def find_interval_kind(name: str, attributes: Mapping[Any, Any]) -> EstimateKind:
-    """Return the kind of a quantity's 95 % interval from its variable's attributes, or else the default kind."""
+    """Return which kind of 95 % interval a quantity has: the kind in the variable's attributes, or else the default."""
     kind: EstimateKind = attributes.get(INTERVAL_KIND_ATTRIBUTE, QUANTITIES[name].interval_kind)
     return kind
 
 
 def column_title_and_factor(name: str) -> tuple[str, float]:
-    """Return the column title of a quantity in spreadsheets, and the factor from stored unit to column unit."""
+    """Return the spreadsheet column title of a quantity, and the factor from the stored unit to the column unit."""
     quantity = QUANTITIES[name]
     unit = quantity.column_unit or quantity.unit
     return quantity.table_label + (f" ({unit})" if unit not in ("", "1") else ""), quantity.column_factor

@@ -56,7 +56,7 @@ NORMAL_LOAD_TOLERANCE = 1e-4
 
 # Maximum number of contact solutions for one shear displacement.
 MAX_SOLUTIONS_PER_DISPLACEMENT = 40
-# Maximum ratio of the elastic loads of two consecutive contact solutions.
+# Maximum ratio of the elastic loads of two consecutive contact solutions in the search for the normal load.
 MAX_LOAD_STEP_RATIO = 4.0
 # The faces of a joint lock if the elastic load exceeds this multiple of the required normal load.
 MAX_ELASTIC_LOAD_RATIO = 100.0
@@ -269,7 +269,7 @@ class ShearBox:
         return upper_slopes, lower_slopes
 
     def _find_edges(self, offset: NDArray[np.int64]) -> Floats:
-        """Return an array over the overlap with 0 or 1 at points on an edge of only one face, and NaN elsewhere.
+        """Mark overlap points on an edge of only one face: 0 for the upper face, 1 for the lower face, NaN elsewhere.
 
         A point is 0 at an edge of the upper face only, 1 at an edge of the lower face only, and NaN elsewhere.
         """
@@ -287,7 +287,7 @@ class ShearBox:
         return edges
 
     def _compute_interface_slopes(self, offset: NDArray[np.int64], tilt: Floats) -> list[Floats]:
-        """Return the slopes of the deformed interface along each axis, at the grid points of the overlap.
+        """Return the slopes of the interface between the deformed faces along each axis, at the points of the overlap.
 
         An edge of a face that touches the other face is pushed along the normal of the other face.
         """
@@ -342,7 +342,7 @@ class ShearBox:
             return missing_values | {"overlap_area": overlap_area, "status": STATUS_NOT_SOLVED}
 
         def compare_load(elastic_load: float) -> tuple[float, float]:
-            """Return the excess of the normal load over the target load, and the target load (both mN).
+            """Return the normal load minus the target load, and the target load (both mN).
 
             `elastic_load` (mN) is the load without friction. The normal load includes vertical forces due to friction.
             """
@@ -366,7 +366,7 @@ class ShearBox:
     def _collect_results(
         self, curve: HalfSpaceCurve, offset: NDArray[np.int64], first_contact_height: float, elastic_load: float
     ) -> StepResult:
-        """Return the results of a solved contact by name, such as contact sums and the height of the upper face."""
+        """Return the results of one solved step by name, such as contact sums and the height of the upper face."""
         solution = curve.at(0)
         problem, pressure = solution.problem, solution.on_grid(solution.values)
         displacement = problem.grids.displacement(pressure, threads=solver_thread_count())
@@ -470,7 +470,7 @@ class ShearBox:
         return xr.DataArray(pressure, coordinates, tuple(coordinates), attrs=attributes)
 
     def to_dataset(self, offsets: NDArray[np.int64], rows: list[StepResult]) -> xr.Dataset:
-        """Return the results of all solved steps as a dataset over the shear displacement."""
+        """Return the results of all steps of a shear test as a dataset whose dimension is the shear displacement."""
         import xarray as xr
 
         columns = {name: np.array([float(row[name]) for row in rows]) for name in _STEP_QUANTITIES}
@@ -504,12 +504,12 @@ def _make_slices(start: list[int], shape: list[int]) -> tuple[slice, ...]:
 
 
 def _select_face_region(face: Any, selection: tuple[slice, ...]) -> Any:
-    """Return the points of a face within a range of grid rows and columns, as a new face."""
+    """Return a new face that consists of the points of a face in a range of grid rows and columns."""
     return replace(face, heights=face.heights[selection], history=(), missing=select_from_mask(face.missing, selection))
 
 
 def _close_round_off_gap(upper: Any, lower: Any) -> tuple[Any, Any]:
-    """Give the upper face the heights of the lower face if the gap varies only by round-off, and return both."""
+    """Give the upper face the same heights as the lower face if the gap varies only by round-off; return both faces."""
     missing = combine_missing_masks(upper, lower)
     gap = upper.heights - lower.heights if missing is None else (upper.heights - lower.heights)[~missing]
     if np.ptp(gap) > MAX_ROUND_OFF_GAP_VARIATION * np.ptp(lower.heights):
@@ -563,7 +563,7 @@ def _search_elastic_load(
 
 
 def compute_dilation_angles(displacement: Floats, dilation: Floats) -> Floats:
-    """Return the dilation angle (degrees) at each displacement: the arctangent of the slope of the dilation.
+    """Return the dilation angle (degrees) at each displacement, from the slope d(dilation)/d(displacement).
 
     The slope at a displacement is the slope of the line through its two neighbours. At an end of the path, it is the
     slope of the line to the only neighbour.
@@ -577,7 +577,7 @@ def compute_dilation_angles(displacement: Floats, dilation: Floats) -> Floats:
 
 
 def check_gap(test: xr.Dataset) -> None:
-    """Raise an `ArgumentError` if a dataset lacks the gap and the closure that a shear test of this version has."""
+    """Raise an `ArgumentError` if the dataset of a shear test contains no gap, because an earlier version stored it."""
     if "gap" not in test:
         raise ArgumentError(
             "the shear test must contain the gap of the faces and their closure, got a dataset without a gap; if an "
@@ -634,7 +634,7 @@ def shear_gap(test: xr.Dataset) -> Profile | Surface:
 
 
 def summarize_curve(dataset: xr.Dataset) -> dict[str, Any]:
-    """Return attributes of a shear curve: coefficient, displacement and status at the peak, and final coefficient.
+    """Summarize a shear curve as attributes: coefficient, displacement and status at the peak, and final coefficient.
 
     The peak is NaN if the faces lock. The final coefficient is NaN if the faces slide without a tangential load.
     """

@@ -40,4 +40,4 @@ class SolutionRecord:
         return None
 
     def offer_state(self, get_state: Callable[[], StepResult]) -> None:
-        """Store the state of the current step, unless a state was stored only a short time ago."""
+        """Store the state of the current step, unless another state was stored a short time before."""

@@ -39,8 +39,7 @@ MAX_EDGE_DISPLACEMENT_STEP = 0.5
 # Number that is added to the moment per unit slope, so that Newton's equations have a solution.
 # The unit of the number is (mean pressure) · (side length)² / (standard deviation of the gap).
 ADDED_MOMENT_PER_SLOPE = 1e-6
-# Tolerance of the displacements, relative to the largest displacement, if the search for the tilt starts from rigid
-# surfaces.
+# If the search for the tilt starts from rigid surfaces: tolerance of displacements, relative to the largest.
 INDENTATION_TOLERANCE = 1e-6
 MAX_CUTTING_PLANES = 200
 # Accepted error of the potential energy of rigid surfaces, as a fraction of (load) · (range of the gap).
@@ -136,7 +135,7 @@ def solve_with_balanced_tilt(
 
 
 def find_rigid_tilt(problem: HalfSpaceProblem, total_pressure: float) -> Floats:
-    """Return the slopes at which the upper of two rigid surfaces balances a load that acts at its centre.
+    """Return the slopes of the upper of two rigid surfaces that balance a load at the centre of the surface.
 
     The load is the sum of the pressures at all points (GPa).
 

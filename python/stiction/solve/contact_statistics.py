@@ -31,7 +31,7 @@ MAX_CELLS_OF_SMALL_CONTACT = 4
 
 @dataclass(frozen=True, eq=False)
 class PairSlopeStatistics:
-    """Slope statistics of two bodies: masks of the steep grid points, and mean square slopes of the gap."""
+    """Slopes of two bodies and of their gap: masks of each body's steep points, and mean square slopes of the gap."""
 
     steep_masks: dict[str, NDArray[np.bool_]]
     # Smallest slope of the steep points of each body.
@@ -89,7 +89,7 @@ class PairSlopeStatistics:
 
 
 def compute_slopes(body: Profile | Surface) -> list[Floats]:
-    """Compute the slopes of a body at all grid points: along y and x for maps, along x for profiles."""
+    """Compute the slopes of a body at all grid points, along y and x (maps) or along x (profiles)."""
     return grid_slopes(body.heights, body.spacings, periodic=False)
 
 
@@ -109,7 +109,7 @@ class ContactList:
     slope_x: Floats
     # Mean slope of each contact along y, or 0 for profiles.
     slope_y: Floats
-    # Number of grid cells that each contact covers. The number is fractional for asperities.
+    # Number of grid cells that each contact covers, which need not be a whole number for asperities.
     cells: Floats
     # True for each contact that reaches the edge of the grid.
     at_edge: NDArray[np.bool_]
@@ -130,7 +130,7 @@ class ContactList:
 def compute_patch_statistics(
     solutions: Sequence[ContactSolution], slopes: PairSlopeStatistics
 ) -> dict[str, NDArray[np.float64]]:
-    """Compute the contact statistics of half-space solutions at several loads (first axis) for storage in a result.
+    """Compute contact statistics, for storage in a result, from half-space solutions at several loads (first axis).
 
     Load fractions on the steepest points are on the steepest 10 % of the grid points of each body.
     """
@@ -195,7 +195,7 @@ def tabulate_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> C
 
 
 def compute_steep_contact_load_fraction(table: ContactList, slopes: PairSlopeStatistics) -> dict[str, float]:
-    """Compute, for each body, the load fraction on contacts that are steeper than 90 % of the body's grid points."""
+    """Return the load fraction on contacts that are steeper than 90 % of a body's grid points, for each body."""
     magnitude = np.hypot(table.slope_x, table.slope_y)
     total_load = table.force.sum()
     return {

@@ -160,7 +160,7 @@ def _send_value(function: Callable[[], Any], receiver: Connection, sender: Conne
 def wrap_to_use_idle_threads(
     function: Callable[..., _Result], executor: Executor, tasks: int, points: int
 ) -> Callable[..., _Result]:
-    """Wrap a task function so that idle threads of the pool share the Fourier transforms of each task.
+    """Wrap a task function so that idle threads of the pool help with the Fourier transforms of each task.
 
     Several threads compute each FFT if there are fewer tasks than threads and the grid is large. `tasks` is the number
     of tasks, and `points` is the number of grid points of each task.
@@ -203,7 +203,7 @@ def progress_bar(
             nonlocal num_finished, last_time, show_progress, may_show_bar
             num_finished += count
             completed, current_time = num_finished + estimate_progress(), time.monotonic()
-            # The remaining time is estimated from the mean time of the tasks that this run has finished.
+            # The workers compute while this thread imports the package that draws the progress bar.
             remaining_time = (
                 (current_time - start_time) * (total - completed) / (completed - finished)
                 if completed > finished
@@ -219,7 +219,7 @@ def progress_bar(
             elif current_time - last_time > PROGRESS_LINE_INTERVAL:
                 last_time = current_time
                 elapsed_text = format_duration(current_time - start_time)
-                # The number of finished tasks would be 0 until a single task is finished.
+                # A single task would be counted as 0 until it ends, so no count is printed.
                 count_text = f"{num_finished}/{total} {label}, " if total > 1 else ""
                 line = f"{count_text}{completed / total:.1%} after {elapsed_text}"
                 line += f", about {remaining_text} left" if completed > finished else ""

@@ -121,7 +121,7 @@ def compute_bytes_per_member(study: Study) -> int:
 
 
 def compute_members_per_piece(size: int) -> int:
-    """Return how many members of `size` bytes fit in `MAX_PIECE_BYTES`: a power of 2, at least 1."""
+    """Return how many members of `size` bytes `MAX_PIECE_BYTES` can hold, rounded down to a power of 2 (at least 1)."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 
@@ -150,7 +150,7 @@ def _list_dims(study: Study, name: str) -> tuple[str, ...]:
 
 
 def stack_members(study: Study, members: Sequence[ArraysByName]) -> ArraysByName:
-    """Stack the arrays of several members along a new axis for the members, which follows axes such as the cutoff."""
+    """Stack the arrays of several members along a member axis, which follows the axes of cells, such as cutoffs."""
     axis = len(study.surfaces.cell_coordinates())
     return {
         name: np.stack([member[name] for member in members], axis=0 if name in MEMBER_COORDINATE_TYPES else axis)
@@ -281,14 +281,14 @@ def nondimensional(
     return xarray.Dataset(
         {str(name): divide_by_units(str(name), array.variable) for name, array in result.data_vars.items()},
         {str(name): divide_by_units(str(name), array.variable) for name, array in result.coords.items()},
-        # The attribute `study` contains lengths and pressures with units, so it is left out.
+        # The attribute `study` is left out, because it contains lengths and pressures with units.
         {name: value for name, value in result.attrs.items() if name != "study"}
         | {"length_um": length, "effective_modulus_GPa": modulus_value},
     )
 
 
 def arrange_axes(variable: xarray.Variable, dims: Iterable[str]) -> NDArray[Any]:
-    """Return the array of a variable with the dimensions in the given order.
+    """Return the values of a variable as an array, with the dimensions in the given order.
 
     Transposing the array is several times faster than transposing the variable.
     """
@@ -296,7 +296,7 @@ def arrange_axes(variable: xarray.Variable, dims: Iterable[str]) -> NDArray[Any]
 
 
 def share_read_only(value: _Value) -> _Value:
-    """Return a dataset with the arrays of a cached dataset, read-only, so that callers can share the arrays.
+    """Return a copy of a cached dataset with read-only arrays, which several callers can share.
 
     Values of other types are returned unchanged.
     """

@@ -132,7 +132,7 @@ def solve_at_loads(
 
 
 def _build_unsolved_values(name: str, motion_shape: tuple[int, int], num_loads: int) -> NDArray[Any]:
-    """Return placeholders for a variable at loads where the solver fails: NaN, 0 contacts or "not-solved"."""
+    """Return placeholders for a variable at loads without a solution: NaN, a count of 0, or "not-solved"."""
     sizes = {
         "sliding": motion_shape[0],
         "direction": motion_shape[1],
@@ -232,7 +232,7 @@ def _solve_asperities(
     solved_loads = np.flatnonzero(status == STATUS_OK)
     if not solved_loads.size:
         return
-    # Only with the detection method `cell`, contacts can start with a load above zero, and the load curve can jump.
+    # Only with the detection method `cell` can a contact start with a load above zero, so that the load curve jumps.
     approach_fractions = [
         1 - STIFFNESS_DIFFERENCE_HALF_WIDTH,
         1 - APPROACH_DISTANCE_ACROSS_LOAD_JUMP * (first_model.detection == "cell"),
@@ -382,7 +382,7 @@ The keys are False for lines and True for maps.
 """
 
 ITERATIONS_PER_LOAD = 15
-# Largest estimated number of iterations of an adhesive contact, for lines (False) and maps (True).
+# Largest estimated number of iterations of an adhesive contact, for profiles (False) and maps (True).
 # Each step of an energy minimization counts as an iteration.
 MAX_ADHESION_ITERATIONS = {False: 10_700, True: 3100}
 ADHESION_ITERATIONS_AT_UNIT_RATIO = {False: 100_000, True: 5000}
@@ -398,7 +398,7 @@ _reusable_arrays = threading.local()
 
 
 def compute_member_arrays(study: Study, index: int, record: SolutionRecord | None = None) -> ArraysByName:
-    """Compute all variables of one member at all loading steps, as arrays without an axis for members.
+    """Compute all variables of one member at all loading steps; the arrays have no axis for members.
 
     The half-space model reports its iterations and its finished loads to the record.
 
@@ -492,7 +492,7 @@ def _estimate_iteration_time(study: Study) -> float:
 
 @functools.lru_cache(maxsize=16)
 def _estimate_elasticity_to_adhesion_ratio(study: Study) -> float:
-    """Estimate the ratio of elastic energy to adhesion, E* Sq Sdq / (4 w), for the gap of the first member.
+    """Estimate the ratio E* Sq Sdq / (4 w) of elastic energy to work of adhesion, for the gap of the first member.
 
     By the Cauchy-Schwarz inequality, this ratio is at least the elastic energy per area of complete contact, divided by
     w. Returns 0 if files are missing.
@@ -662,7 +662,7 @@ def _solve_measured_member(
 
 
 def find_elastic_members(study: Study) -> range:
-    """Return the indices of the members whose area without yielding is computed too, if the bodies yield."""
+    """Return the indices of the members for which the area of elastic contacts is computed too, if the bodies yield."""
     count = NUM_ELASTIC_PROFILE_MEMBERS
     if study.is_areal:
         is_large = count_grid_points(study) >= MIN_LARGE_MAP_POINTS

@@ -183,7 +183,7 @@ class MemberSums:
         return share_read_only(self._companions[read])  # type: ignore[no-any-return]
 
     def compute_once(self, compute: Callable[[Self], _Value]) -> _Value:
-        """Return `compute(self)`, and cache the returned value for later calls with the same function.
+        """Compute `compute(self)` once, cache the returned value, and return it in all calls with the same function.
 
         The arrays of datasets are read-only.
         """

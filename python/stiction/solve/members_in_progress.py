@@ -65,7 +65,7 @@ class MembersInProgress:
         return compute_steps_key(self._study.to_toml())
 
     def add(self, member: int) -> SolutionRecord:
-        """Add a member, and return a new record, which contains the steps that an interrupted run stored."""
+        """Add a member, and return its record, which contains the steps that an interrupted run has stored."""
         record = (
             SolutionRecord() if self._directory is None else stored_record(self._directory, member, self._steps_key)
         )
@@ -117,7 +117,7 @@ def _hash_step_modules(modules: tuple[Path, ...]) -> str:
 
 
 def stored_record(directory: Path, member: int, key: str) -> SolutionRecord:
-    """Return a record that writes a member's finished steps to files, and reads the files of an interrupted run."""
+    """Return a record that stores a member's finished steps in files, and reads steps that an earlier run stored."""
     return _StoredRecord(directory / IN_PROGRESS_DIRECTORY / f"{member:07d}-{key}")
 
 
@@ -138,7 +138,7 @@ def find_members_in_progress(directory: Path) -> set[int]:
 
 
 def find_steps_with_other_keys(directory: Path, member: int, key: str) -> list[Path]:
-    """Return the directories with steps of a member that were stored with a checksum other than `key`.
+    """Return the directories with steps of a member that were stored under another key (checksum) than `key`.
 
     Such steps belong to other inputs, other software or another machine.
     """
@@ -178,7 +178,7 @@ def _list_member_directories(directory: Path) -> list[tuple[int, Path]]:
 
 
 class _StoredRecord(SolutionRecord):
-    """Record that stores the finished steps of a member in a directory, and resumes an interrupted run."""
+    """Record that stores the finished steps of a member in a directory, from which a later run can resume."""
 
     def __init__(self, directory: Path) -> None:
         super().__init__()

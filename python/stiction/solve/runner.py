@@ -66,9 +66,9 @@ MAX_BLOCK_BYTES = 2**24
 MIN_BLOCKS_PER_RUN = 16
 # Minimum computing time (s) of a block. The first block file of each size takes 0.1 s to write.
 MIN_BLOCK_TIME = 0.2
-# Maximum number of submitted tasks if workers write the block files.
+# Maximum number of tasks that are submitted at the same time, if workers write the block files.
 MAX_SUBMITTED_TASKS = 1000
-# Maximum number of submitted tasks if the main process writes the block files.
+# Maximum number of tasks that are submitted at the same time, if the main process writes the block files.
 MAX_TASKS_THAT_RETURN_BLOCKS = 256
 PROGRESS_INTERVAL = 0.5  # s
 # Time (s) that an interrupted run waits for unfinished blocks.
@@ -271,7 +271,7 @@ def _create_run_token(path: Path) -> Iterator[SharedResultDirectory]:
 
 @contextlib.contextmanager
 def _add_finished_count_to_errors(stored_result: StoredResult) -> Iterator[None]:
-    """Add the number of finished members to error messages about storage, or about workers that died."""
+    """Append the number of finished members to the message of a storage error, or of an error about dead workers."""
     try:
         yield
     except (StoreError, BrokenExecutor) as error:
@@ -374,7 +374,7 @@ def _format_revised_time_estimate(
 
 
 class _UnfinishedMembers:
-    """Ranges of members that a run still has to compute, each within one block."""
+    """Ranges of members that a run has yet to compute; each range is within one block of members."""
 
     def __init__(self, stored_result: StoredResult, part: tuple[int, int] | None) -> None:
         num_members = stored_result.study.ensemble.repetitions
@@ -453,7 +453,7 @@ def _submit_member_ranges(
 
 @dataclass(frozen=True)
 class SharedResultDirectory:
-    """Result directory in which workers write block files themselves, if they can access the directory."""
+    """Result directory into which workers write block files, if a worker can access the directory."""
 
     path: Path
     # Name of a file in the blocks directory. The file exists until the run ends.

@@ -149,7 +149,7 @@ class StoredResult:
 
     @cached_property
     def _block_ranges(self) -> list[tuple[BlockFile, int, int]]:
-        """Block files of the result, each with the range of members to read: first index, and last index plus 1.
+        """Block files of the result with the range of members to read from each file: first index, last index + 1.
 
         The ranges do not overlap, even if the blocks do.
         """
@@ -286,7 +286,7 @@ class StoredResult:
         return build_dataset(self.study, member_numbers, arrays, bodies, names).assign_attrs(stiction_version=version)
 
     def _read_arrays(self, block: BlockFile, names: Collection[str]) -> ArraysByName:
-        """Read a block of members: the arrays in `names`, or all arrays if the block has not been checked yet.
+        """Read the arrays in `names` from a block of members; the first call for a block reads and checks all arrays.
 
         The first call for a block checks the whole block. Later calls read only the arrays in `names`, unless the block
         is in memory.
@@ -304,7 +304,7 @@ class StoredResult:
 
     @cached_property
     def _checked_blocks(self) -> set[BlockFile]:
-        """Block files that have passed a complete check. Single variables of these files are read without a check."""
+        """Block files that were read and checked completely; later calls may read single variables unchecked."""
         return set()
 
     def _read_block(self, block: BlockFile) -> BlockFileContent:
@@ -392,7 +392,7 @@ def read(path: str | Path) -> xarray.Dataset:
 def read_companion_file(
     path: Path, variables: Mapping[str, VariableSpec], attributes: Mapping[str, AttributeSpec] | None = None
 ) -> xarray.Dataset | None:
-    """Read a netCDF file of additional data that is stored with a result, and check its variables and attributes.
+    """Read a netCDF file that is stored alongside a result, and check the variables and attributes in the file.
 
     Returns None if the file does not exist. Raises a `StoreError` if the file is damaged.
     """
@@ -487,7 +487,7 @@ def open_stored_result(path: str | Path) -> StoredResult:
 
 
 def load_shear_test(directory: Path) -> xarray.Dataset | None:
-    """Return the finished shear test in a directory, or None if there is none.
+    """Return the finished shear test in a directory, or None if the directory contains no shear test.
 
     Raises a `StoreError` if the file is not one that a shear test wrote.
     """
@@ -622,7 +622,7 @@ def _write_study_file(stored_result: StoredResult, claim: DirectoryClaim) -> Non
             return
         if not _contains_study(path, study, repetitions_may_differ=True):
             check_directory_is_unused(path, claim)
-        # The blocks are listed after the search for claims, because a run's claim outlasts the writing of its blocks.
+        # Claims are checked before blocks are listed: a run gives up its claim only after it has written its blocks.
         _check_resumable(stored_result.reload())
         _check_study_file_may_be_replaced(path, study)
         _files.write_atomically(path / STUDY_FILE, content)
@@ -634,7 +634,7 @@ def _format_study_file_header(text: str) -> str:
 
 
 def remove_result(stored_result: StoredResult, claim: DirectoryClaim) -> None:
-    """Remove all files of a result (study, blocks, areas, onset) from a directory, but no other files.
+    """Remove the files of a result (study, blocks, areas, onset) from its directory; other files are kept.
 
     Raises a `StoreError` if the study file was written or edited by hand, or if another run uses the directory.
     """
@@ -728,7 +728,7 @@ def _is_old_study_file(path: Path, header: bytes, text: bytes) -> bool:
 
 
 def _check_study_file_may_be_replaced(path: Path, study: Study) -> None:
-    """Raise a `StudyMismatchError` if the study file in a directory was edited by hand, so that no run replaces it."""
+    """Raise a `StudyMismatchError` if the study file in a directory was edited by hand and must not be replaced."""
     try:
         check_study_file_is_unedited(path)
     except EditedStudyError:
@@ -738,7 +738,7 @@ def _check_study_file_may_be_replaced(path: Path, study: Study) -> None:
 
 
 def check_directory_is_unused(path: Path, claim: DirectoryClaim) -> None:
-    """Raise a `StoreError` if another run is using a result directory that this run has claimed."""
+    """Raise a `StoreError` if another run also uses the result directory that this run has claimed."""
     if competitor := claim.find_other_claim():
         raise StoreError(
             f"{printable_path(path)} is in use by another run; wait until that run ends, or choose another directory; "
@@ -818,9 +818,9 @@ The checksum is verified first, because HDF5 may never return from reading a dam
 own data, and programs that modify the file remove the checksum.
 """
 
-# Only one thread may create the template file.
+# Only one thread at a time may create the template file.
 _template_file_lock = threading.Lock()
-# Only one thread may import the packages that encode blocks.
+# Only one thread at a time may import the packages that encode blocks.
 _dataset_package_import_lock = threading.Lock()
 
 
@@ -886,7 +886,7 @@ def import_dataset_packages() -> None:
 
 
 def write_dataset(dataset: xarray.Dataset, file: io.BytesIO) -> None:
-    """Write a dataset to a netCDF file with the same content as a file that xarray would write.
+    """Write a dataset to a netCDF file, with the content that xarray would write.
 
     xarray would look up each dimension in the file for each variable, which takes three times as long, and its locks
     would require a Dask scheduler in Dask workers.
