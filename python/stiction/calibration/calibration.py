@@ -32,7 +32,7 @@ from stiction.study.interfaces import (
 
 # Minimum number of tests that slid, from which the errors of the tests can be estimated.
 MIN_SLIDING_TESTS = 3
-# A friction law may be quoted only if the misfit multiplies the errors of the tests by at most this factor.
+# A friction law may be quoted only if the fit multiplies the errors of the tests by at most this factor.
 MAX_ERROR_SCALE = 3.0
 
 
@@ -173,8 +173,8 @@ def calibrate(
 
 
 def _describe_misfit(fit: StrengthFit, *, outliers: bool) -> Iterator[str]:
-    """Yield the reasons why tests hardly agree with the friction law that was fitted to them."""
-    # Errors of tests with outliers are not multiplied.
+    """Yield the reasons, if any, why friction tests agree poorly with the friction law that was fitted to the tests."""
+    # If the tests may contain outliers, the fit does not multiply the given errors of the tests.
     if fit.probability < EXCLUSION_P_VALUE_LIMIT and not outliers:
         yield (
             f"its tests deviate from it by more than their errors allow (probability {fit.probability:.1g}), so the "

@@ -40,15 +40,15 @@ from stiction.study.interfaces import (
     compute_coverage_at_bound,
 )
 
-# Both mu0 and tau0 are fitted only if A/F varies among the tests by at least this relative standard deviation.
+# Minimum relative standard deviation of the area per load A/F among the tests, if both mu0 and tau0 are fitted.
 MIN_AREA_VARIATION = 0.1
 # A nuisance point is a random sample of all nuisance parameters.
 # Number of nuisance points in each round that adapts the proposal distribution of the importance sampling.
 NUM_NUISANCE_POINTS_PER_ROUND = 256
 # Maximum number of nuisance points in the importance sampling with the adapted proposal distribution.
 MAX_NUISANCE_POINTS = 8192
-# Initial number of nuisance points in the importance sampling: the first number, doubled for each nuisance parameter,
-# but at most the second number.
+# Initial number of nuisance points in the importance sampling. The first count is doubled for each nuisance parameter,
+# and the second count is the upper limit.
 FINAL_NUISANCE_POINT_COUNTS = 256, 1024
 # Largest distance of a nuisance parameter from its mean, in standard deviations.
 MAX_NORMAL_SCORE = 5.0
@@ -59,7 +59,7 @@ MIN_EFFECTIVE_SAMPLE_FRACTION = 0.4
 MIN_EFFECTIVE_SAMPLES = 300.0
 NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31
 NUM_STRENGTH_PAIRS = 4000
-# At the edge of the grid, -2 ln(density of mu0 and tau0) exceeds its minimum by this number (5.8 standard deviations).
+# -2 ln(density of mu0 and tau0) at the edge of the grid, minus its minimum. The edge is 5.8 standard deviations away.
 MAX_GRID_DEVIANCE = 34.0
 # Degrees of freedom of Student's t distribution, from which nuisance points are drawn.
 PROPOSAL_DEGREES_OF_FREEDOM = 5.0
@@ -78,7 +78,7 @@ class _BestFit:
 
     mu0: float
     tau0: float  # GPa
-    # Normal scores of the nuisance parameters, with mean 0 and standard deviation 1.
+    # Normal score of each nuisance parameter: its quantile of the standard normal distribution.
     scores: Floats
     # Residuals of the tests that slid, each divided by the error of the test.
     residuals: Floats
@@ -92,7 +92,7 @@ class _BestFit:
 
 @dataclass(frozen=True)
 class _GridLimits:
-    """Ranges of tau0 and mu0 that the probability grids cover, for each sample of the nuisance parameters."""
+    """Limits of the grids of mu0 and tau0 for the probabilities, for each sample of the nuisance parameters."""
 
     # R of the QR decomposition of the test equations at each nuisance point, with the shape (points, 3, 3).
     triangular_factors: Floats
@@ -102,22 +102,22 @@ class _GridLimits:
     max_tau0: Floats
     # Best mu0 for each nuisance point and tau0, with the shape (points, tau0). None if no contact grows under shear.
     best_mu0: Floats | None = None
-    # Half widths of the range of mu0 below and above the best mu0, with the shape (points, tau0).
+    # Distances from the best mu0 to the lower and to the upper end of the range of mu0, with the shape (points, tau0).
     width_below: Any = None
     width_above: Any = None
 
 
 @dataclass(frozen=True)
 class _ProbabilityGrid:
-    """Grids of mu0 and tau0, one per sample of the nuisance parameters, with the log-probability of each cell."""
+    """Log-probabilities in the cells of grids of mu0 and tau0, with one grid per sample of the nuisance parameters."""
 
     limits: _GridLimits
-    # ln(probability of the test results), without the prior of the nuisance parameters. Shape: (points, tau0, mu0).
+    # ln(likelihood of the test results), without the prior of the nuisance parameters. Shape: (points, tau0, mu0).
     log_probability: Floats
 
 
 class CalibrationProblem:
-    """Friction tests as linear equations for mu0 and tau0, whose coefficients depend on the nuisance parameters.
+    """Fit of mu0 and tau0 to friction tests: one linear equation per test, which depends on nuisance parameters.
 
     In each equation, a mu0 + b tau0 equals the right side, where a and b are the coefficients of the equation.
 
@@ -197,8 +197,8 @@ class CalibrationProblem:
         scores_by_name = dict(zip(self.nuisances, np.clip(scores, -MAX_NORMAL_SCORE, MAX_NORMAL_SCORE).T, strict=True))
         shape = len(scores), *(1 for _ in grid_shape)
         probability = {name: ndtr(values).reshape(shape) for name, values in scores_by_name.items()}
-        # Area factors that are already computed. Two tests with the same equation share one factor.
-        # If contacts grow under shear, the measured coefficients must be equal, too.
+        # Area factors that are already computed. Tests with equal equations share one area factor.
+        # If contacts grow under shear, tests share an area factor only if their measured coefficients are equal, too.
         cached_factors: dict[Hashable, Floats] = {}
 
         def area_factors_of_test(test: int) -> Floats:
@@ -233,7 +233,7 @@ class CalibrationProblem:
             else np.ones((len(scores), 1))
         )
         # The gain is the ratio of a test's measured coefficient to the true coefficient.
-        # The errors of the tests refer to measured coefficients.
+        # The errors of the tests refer to the measured coefficients, so the model is multiplied by the gain.
         mu0_coefficient = gain * sums["tangential_frictional"] - self.measured * sums["normal_frictional"]
         tau0_coefficient = gain * sums["tangential_adhesive"] - self.measured * sums["normal_adhesive"]
         right_side = self.measured - gain * sums["tangential_elastic"]
@@ -245,7 +245,7 @@ class CalibrationProblem:
         )
 
     def _compute_run_offset_vectors(self, central_coefficients: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Return the changes of the residuals due to a common offset of each run, as unit vectors and their norms.
+        """Return how a common offset of each test run changes the residuals: one unit vector and one norm per run.
 
         The unit vectors have the shape (runs, tests). The norms, with the shape (runs,), are in units of the errors.
         Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would bias
@@ -261,7 +261,7 @@ class CalibrationProblem:
             self.fixed_strengths,
         )
         residual_shifts = self._run_membership * (mu0_coefficient * mu0 + tau0_coefficient * tau0) / self.error
-        # Error of each test if the relative standard deviation between runs is 1.
+        # Error of each test due to differences between runs, if the relative standard deviation between runs is 1.
         self._run_errors = (residual_shifts * self.error).sum(axis=0)
         residual_shifts = np.where(self.slid, residual_shifts, 0.0)
         shift_norms = np.linalg.norm(residual_shifts, axis=1)
@@ -273,7 +273,7 @@ class CalibrationProblem:
         return np.where(self.slid, 1.0 / self.error**2, 0.0)
 
     def average_over_tests(self, area_per_load: Floats) -> float:
-        """Return the mean of the true area per load A/F (1/GPa) over the tests with sliding, weighted by 1/error²."""
+        """Return the mean true area per load A/F (1/GPa) of the tests with sliding, weighted by 1/error²."""
         return float(np.average(area_per_load, weights=self._weights_of_tests))
 
     @property
@@ -295,7 +295,7 @@ class CalibrationProblem:
     def _build_weighted_equations(
         self, columns: tuple[Floats, ...], scale: Floats, spread: Floats
     ) -> tuple[Floats, Floats]:
-        """Return the equations of the tests with sliding, divided by the test errors and decorrelated within each run.
+        """Return the equations of tests with sliding, divided by the test errors and made uncorrelated within each run.
 
         The equations have the shape (points, tests with sliding, 3). Also returns the logarithms of the normalization
         factors (points,).
@@ -304,7 +304,7 @@ class CalibrationProblem:
         return self._decorrelate_within_runs(rows, scale, spread)
 
     def _decorrelate_within_runs(self, rows: Floats, scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Transform the equations of tests with sliding so that tests of the same run are uncorrelated.
+        """Transform the equations of tests with sliding so that the errors of tests in the same run are uncorrelated.
 
         Also returns the logarithms of the normalization factors (points,).
         """
@@ -322,7 +322,7 @@ class CalibrationProblem:
     def _compute_residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-        """Return the residuals of tests with sliding in units of the test errors, and the equation coefficients.
+        """Return the residuals of tests with sliding, divided by the test errors, and the test equations' coefficients.
 
         The residuals have the shape (points, tests that slid, ...), and are infinite at seizure. The coefficients
         include junction growth. mu0 and tau0 (GPa) have the shape (points, ...).
@@ -342,7 +342,7 @@ class CalibrationProblem:
 
     @cached_property
     def best_fit(self) -> _BestFit:
-        """Least-squares fit of mu0, tau0 and the nuisance parameters to the tests.
+        """Fit of mu0, tau0 and the nuisance parameters to the tests by least squares.
 
         Offsets of runs are free parameters, so that residuals contain only the scatter within runs. Outliers get
         smaller weights.
@@ -374,7 +374,7 @@ class CalibrationProblem:
             return strength
 
         def residuals_with_growth(points: Floats) -> Floats:
-            """Return the residuals of tests with sliding, including junction growth, for each row of fit parameters."""
+            """Return the residuals of tests with sliding, with junction growth, for each row of fit parameters."""
             mu0, tau0 = np.transpose([to_strengths(x) for x in points])
             scales = np.full(len(points), error_scale)
             misfit, _ = self._compute_residuals(
@@ -521,7 +521,7 @@ class CalibrationProblem:
         return np.asarray(tau0_coefficient / mu0_coefficient)
 
     def _find_median_area_per_load(self, samples: Floats) -> Floats:
-        """Return the median true area per load A/F (1/GPa) of each test, from samples, if contacts grow under shear.
+        """Return the median true area per load A/F (1/GPa) of each test over `samples` if contacts grow under shear.
 
         Without growing contacts, A/F at the central inputs is returned. With friction at opposing contacts only, the
         friction of these contacts is higher than the measured coefficient, for which `area_per_load` is computed. The
@@ -534,7 +534,7 @@ class CalibrationProblem:
 
     @cached_property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth α common to all tests; None if α differs between tests or has no effect on any test.
+        """Junction growth factor α of the tests; None if α differs between tests or has no effect on any test.
 
         α is 0 if no test includes junction growth, although junction growth would affect at least one test.
         """
@@ -716,7 +716,7 @@ class CalibrationProblem:
             return find_best_mu0(residuals, start, tau0)
 
         if self.fixed_strengths[1] is None:
-            # Each test limits tau0: with mu0 = 0, the smallest possible mu0, tau0 alone causes the measured friction.
+            # tau0 is largest at mu0 = 0, where tau0 alone causes the measured friction, so each test limits tau0.
             test_errors = np.hypot(scale[:, np.newaxis] * self.error, spread[:, np.newaxis] * self._run_errors)
             margin = (
                 2
@@ -736,14 +736,14 @@ class CalibrationProblem:
         )
         best_mu0, slope, _ = find_best_mu0_at(tau0)
         width_above = math.sqrt(limits.deviance_range) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
-        # Below the best mu0, residuals change less with mu0 than above, but at least as much as without growth.
+        # Below the best mu0, residuals change less with mu0 than above it, but at least as much as without growth.
         width_below = np.maximum(width_above, math.sqrt(limits.deviance_range) / limits.triangular_factors[:, :1, 0])
         return replace(limits, best_mu0=best_mu0, width_below=width_below, width_above=width_above)
 
     def _choose_mu0_grid_at_tau0(
         self, limits: _GridLimits, point: Any, row: Any, tau0: Floats
     ) -> tuple[Floats, Floats]:
-        """Return the lower limit of the mu0 grid and the width of the grid cells, for each tau0."""
+        """Return the smallest mu0 and the cell width of the mu0 grid at each given tau0."""
         if self.fixed_strengths[0] is not None:
             return np.full(tau0.shape, self.fixed_strengths[0]), np.zeros(tau0.shape)
         if limits.best_mu0 is None:
@@ -782,7 +782,7 @@ class CalibrationProblem:
                 > MIN_EFFECTIVE_SAMPLE_FRACTION * NUM_NUISANCE_POINTS_PER_ROUND
             ):
                 break
-            # Raising the weights to an exponent below 1 reduces the influence of a few large weights.
+            # A weight exponent below 1 reduces the influence of the few nuisance points with large weights.
             weight_exponent = 1.0
             while (
                 weight_exponent > 1e-3
@@ -813,7 +813,7 @@ class CalibrationProblem:
         return self._draw_samples_from_grids(nuisance_points, grid, log_weight)
 
     def _build_first_proposal(self, scale: float, freedom: int | None) -> tuple[Floats, Floats]:
-        """Return mean and covariance of the initial proposal distribution from which nuisance parameters are drawn."""
+        """Return mean and covariance of the first proposal distribution, from which nuisance parameters are sampled."""
         score_indices = [index for index, name in enumerate(self.nuisances) if name != RUN_SPREAD_PARAMETER_NAME]
         num_parameters = len(self.nuisances) + (freedom is not None)
         mean, covariance = np.zeros(num_parameters), np.eye(num_parameters)
@@ -834,7 +834,7 @@ class CalibrationProblem:
     def _draw_nuisance_points(
         self, mean: Floats, covariance: Floats, active_indices: list[int], count: int, seed: int = 0
     ) -> tuple[Floats, _ProbabilityGrid, Floats]:
-        """Draw nuisance parameters, and return them with their grids of mu0 and tau0 and their log-weights."""
+        """Sample nuisance parameters; return the samples, their grids of mu0 and tau0, and their log-weights."""
         from scipy.special import gammaincinv, ndtri
 
         points = np.zeros((count, len(self.nuisances) + 1))
@@ -857,7 +857,7 @@ class CalibrationProblem:
     def _draw_samples_from_grids(
         self, points: Floats, grid: _ProbabilityGrid, log_weight: Floats
     ) -> tuple[Floats, Floats, Floats]:
-        """Draw samples of mu0, tau0 (GPa) and nuisance parameters from grid cells, in proportion to cell weights."""
+        """Draw joint samples of mu0, tau0 (GPa) and nuisance parameters from grid cells with a probability each."""
         generator = np.random.default_rng(0)
         log_cell_probability = grid.log_probability.reshape(len(points), -1)
         with np.errstate(invalid="ignore"):
@@ -875,7 +875,7 @@ class CalibrationProblem:
         mu0 = self._find_mu0_in_cells(grid.limits, point, row, tau0, column + mu0_fraction)
         scores = points[point, : len(self.nuisances)]
         if self.has_growing_contacts:
-            # A point of a cell at which the softer body would shear is replaced by the centre of the cell.
+            # If the softer body would shear at a random point of a cell, the centre of the cell replaces the point.
             _, area_coefficients, _ = self._compute_equation_coefficients(scores, mu0, tau0)
             is_outside = ~np.isfinite(area_coefficients[:, self.slid]).all(axis=1)
             tau0_centre = low + (high - low) * (row + 0.5) / grid.log_probability.shape[1]
@@ -884,7 +884,10 @@ class CalibrationProblem:
         return mu0, tau0, scores
 
     def _find_mu0_in_cells(self, limits: _GridLimits, point: Any, row: Any, tau0: Floats, column: Any) -> Floats:
-        """Convert fractional column numbers of the mu0 grid to mu0; each tau0 has its own grid of mu0."""
+        """Convert positions on the mu0 grid, given as fractional column numbers, to mu0 at given tau0.
+
+        Each tau0 has its own grid of mu0.
+        """
         mu0_start, mu0_step = self._choose_mu0_grid_at_tau0(limits, point, row, tau0)
         return np.asarray(mu0_start + mu0_step * column)
 
@@ -919,7 +922,7 @@ class CalibrationProblem:
 
 
 def _concatenate_grids(grids: Sequence[_ProbabilityGrid]) -> _ProbabilityGrid:
-    """Join the probability grids for several batches of nuisance samples in one object."""
+    """Join the probability grids of several batches of nuisance samples in one `_ProbabilityGrid`."""
     limits = [grid.limits for grid in grids]
     array_names = (
         "triangular_factors",
@@ -982,9 +985,9 @@ def _compute_triangular_factors(rows: Floats) -> Floats:
 
 
 def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which the posterior density, maximized over mu0, is not negligible."""
+    """Return the tau0 range (GPa) in which the posterior density, maximized over mu0, is not negligibly small."""
     first_row, second_row = triangular_factors[:, 0], triangular_factors[:, 1]
-    # The coefficient of tau0² in -2 ln(density) at mu0 = 0 is `curvature`.
+    # At mu0 = 0, -2 ln(density) is a quadratic function of tau0, and `curvature` is the coefficient of tau0².
     curvature = second_row[:, 1] ** 2 + first_row[:, 1] ** 2
     unbounded_best, best_at_bound = (
         second_row[:, 2] / second_row[:, 1],
@@ -993,7 +996,7 @@ def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: flo
     tau0_at_zero_mu0 = first_row[:, 2] / np.where(first_row[:, 1] == 0, 1e-300, first_row[:, 1])
 
     def deviance(tau0: Floats) -> Floats:
-        # The number `mu0` is the best mu0 at each tau0, multiplied by a positive factor.
+        # The variable `mu0` has the sign of the best mu0 at each tau0: it is the best mu0 times a positive factor.
         mu0 = first_row[:, 2] - first_row[:, 1] * tau0
         return np.asarray((second_row[:, 2] - second_row[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
 

@@ -61,13 +61,13 @@ class Ball:
     """
 
     radius: float | str
-    # Two balls are compared by their `moduli`, not by the effective modulus that the user gave.
+    # In comparisons of two balls, `moduli` replaces the effective modulus, which can be given in several forms.
     effective_modulus: float | str | None = field(default=None, compare=False)
     young: Any = field(default=None, kw_only=True)
     poisson: Any = field(default=None, kw_only=True)
     upper_material: str | None = field(default=None, kw_only=True)
     lower_material: str | None = field(default=None, kw_only=True)
-    # Two balls are compared by their `lost_fraction`, not by the area loss that the user gave.
+    # In comparisons of two balls, `lost_fraction` replaces the area loss, which can be given in several forms.
     area_loss: Any = field(default=None, kw_only=True, compare=False)
     # Elastic constants at the central values of the moduli of both bodies.
     elasticity: PairElasticity = field(init=False, repr=False, compare=False)
@@ -112,12 +112,12 @@ class Ball:
 
 @dataclass(frozen=True, kw_only=True)
 class _FrictionTestSums:
-    """Sums of forces and areas over the contacts of one friction test, divided by the elastic load."""
+    """Contact sums (forces and areas, summed over contacts) of one friction test, divided by the elastic load."""
 
     sums: Mapping[str, float]
     # Relative standard error of the true contact area in a test.
     scatter: float = 0.0
-    # Checksum of the surfaces. Tests with equal checksums have the same error of the area.
+    # Checksum of the tested surfaces. Tests with equal checksums have the same error of the computed contact area.
     surfaces: str = ""
     hardness: float = math.nan
     # Ratio of the true to the computed contact area, or None if the ratio is always 1.
@@ -126,15 +126,15 @@ class _FrictionTestSums:
 
 @dataclass(frozen=True)
 class AreaFactor:
-    """True contact area of a friction test divided by the computed area, as a function of uncertain inputs."""
+    """Factor from the computed to the true contact area of a friction test, as a function of uncertain inputs."""
 
     # Uncertain inputs of a test by name: hardness, creep exponent, moduli, junction growth and area loss.
     uncertain_inputs: Mapping[str, UncertainInput]
-    # Checksum of the surfaces. Tests with equal checksums have the same area loss.
+    # Checksum of the tested surfaces. Tests with equal checksums have the same area loss.
     surfaces: str
 
     def nuisance_name(self, name: str) -> str:
-        """Return the name of the nuisance parameter for an input.
+        """Return the name of the nuisance parameter that represents the uncertainty of the input `name`.
 
         Tests with equal inputs share this parameter.
         """
@@ -146,7 +146,7 @@ class AreaFactor:
         return [self.nuisance_name(name) for name in self.uncertain_inputs]
 
     def input_values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
-        """Return samples of the inputs by name: quantiles at the cumulative probabilities of nuisance parameters."""
+        """Return samples of the uncertain inputs by name, computed from cumulative probabilities in `columns`."""
         return {
             name: estimate.quantile(columns[self.nuisance_name(name)])
             for name, estimate in self.uncertain_inputs.items()
@@ -154,11 +154,11 @@ class AreaFactor:
 
     @property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth α that the evaluation of the test includes, or None if it includes no junction growth."""
+        """Junction growth α with which the test is evaluated, or None if the test is evaluated without growth."""
         return None
 
     def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return factors at the onset of sliding: true over computed area, and friction force over mu0 F + tau0 A.
+        """Return two factors at the onset of sliding: true area over computed area, and friction over mu0 F + tau0 A.
 
         `samples` are samples of the inputs. The junction growth of the test replaces that of the law. At seizure the
         area is infinite, or the nominal area if tau0 is 0.
@@ -168,7 +168,7 @@ class AreaFactor:
 
 @dataclass(frozen=True)
 class _BallAreaFactor(AreaFactor):
-    """Area factor of a ball: contact area at the onset of sliding, divided by the area without shear at the central E*.
+    """Area factor of a ball test: contact area at the onset of sliding over the area without shear at the central E*.
 
     The contact area of a ball is proportional to E*^(-2/3).
     """
@@ -179,7 +179,7 @@ class _BallAreaFactor(AreaFactor):
 
     @classmethod
     def from_ball(cls, ball: Ball) -> _BallAreaFactor | None:
-        """Return the area factor of a ball as a function of the uncertain inputs.
+        """Return the area factor of a friction test with a ball.
 
         Returns None if the factor is always 1.
 
@@ -194,14 +194,14 @@ class _BallAreaFactor(AreaFactor):
         )
 
     def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return factors at the onset of sliding: contact area over the area at the central E*, and 1 for friction."""
+        """Return two factors at the onset of sliding: contact area over that at the central E*, and 1 for friction."""
         area = np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
         return area * (1 - samples.get("area_loss", np.asarray(self.area_loss))), np.ones(())
 
 
 @dataclass(frozen=True)
 class _AreaFactorFromResult(AreaFactor):
-    """Area factor of two rough surfaces, relative to the contact area in a computed result."""
+    """Area factor of a test of two rough surfaces: true contact area over the area in the computed result."""
 
     area: AreaFunction
     load: float
@@ -210,7 +210,7 @@ class _AreaFactorFromResult(AreaFactor):
 
     @classmethod
     def from_result(cls, result: Any, load: float, wait: float) -> _AreaFactorFromResult | None:
-        """Return the area factor of a computed pair at a load (mN), as a function of the uncertain inputs.
+        """Return the area factor of a friction test of a computed pair at a load (mN).
 
         Returns None if the factor is always 1.
         """
@@ -230,11 +230,11 @@ class _AreaFactorFromResult(AreaFactor):
 
     @property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth α that the evaluation of the test includes, or None if it includes no junction growth."""
+        """Junction growth α with which the test is evaluated, or None if the test is evaluated without growth."""
         return self.inputs.estimate("junction_growth")
 
     def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return factors at the onset of sliding: true over computed area, and friction force over mu0 F + tau0 A.
+        """Return two factors at the onset of sliding: true area over computed area, and friction over mu0 F + tau0 A.
 
         `samples` are samples of the inputs. The junction growth of the test replaces that of the law. At seizure the
         area is infinite, or the nominal area if tau0 is 0.
@@ -363,7 +363,7 @@ class FrictionTest:
 
     @cached_property
     def area_factor(self) -> AreaFactor | None:
-        """Area factor of the test as a function of uncertain inputs, or None if the factor is always 1."""
+        """Factor from the computed to the true contact area of the test, or None if the factor is 1 for all inputs."""
         if isinstance(self.result, Ball):
             return _BallAreaFactor.from_ball(self.result)
         return _AreaFactorFromResult.from_result(self.result, float(self.load), float(self.wait))
@@ -387,7 +387,7 @@ def list_sliding_rules(result: Any) -> tuple[str, ...]:
 
 
 def evaluate_test_sums(test: FrictionTest, sliding: SlidingRule) -> _FrictionTestSums:
-    """Return the contact sums of a friction test under a sliding rule, divided by the elastic load."""
+    """Return the contact sums of a friction test for a sliding rule, divided by the elastic normal load."""
     result, load = test.result, float(test.load)
     if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:
         raise ValueError("`wait` requires a result that pair() computed with a creep exponent")
@@ -420,7 +420,7 @@ def _interpolate_sums_per_load(curve: FrictionCurve, load: float) -> _FrictionTe
 
 
 def _average_sums_per_load(result: Any, load: float, sliding: SlidingRule) -> _FrictionTestSums:
-    """Average contact sums at a load (mN) over members and directions, and divide the averages by the elastic load."""
+    """Average contact sums at a load (mN) over members and directions, and divide them by the elastic normal load."""
     dataset = getattr(result, "dataset", result)
     sums = (
         interpolate_member_sums(dataset, np.array([load]))

@@ -1,4 +1,4 @@
-"""Best mu0 at each tau0, and range of tau0, in fits to friction tests whose contacts grow under shear."""
+"""Fit of mu0 and tau0 to friction tests whose contacts grow under shear: best-fitting mu0 per tau0, and tau0 range."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Number of trial tau0 per search, and number of searches. Each search has a narrower range of tau0 than the last.
+# Number of trial tau0 in each search, and number of searches. Each search covers a narrower range of tau0.
 NUM_TAU0_SEARCH_POINTS, NUM_TAU0_SEARCHES = 13, 3
 NUM_NEWTON_STEPS = 3
-# Difference of mu0 in numerical derivatives, divided by 0.1 + mu0.
+# Step of mu0 in numerical derivatives, divided by 0.1 + mu0.
 MU0_DERIVATIVE_STEP = 1e-4
 
 ResidualFunction = Callable[[Floats, Floats], Floats]
@@ -53,7 +53,7 @@ def find_best_mu0(residuals: ResidualFunction, start: Floats, tau0: Floats) -> t
 def find_tau0_range(
     sum_of_squares: Callable[[Floats], Floats], max_tau0: Floats, deviance_range: float
 ) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which the sum of squares is within `deviance_range` of its minimum.
+    """Return the range of tau0 (GPa) in which a sum of squares exceeds its minimum by at most `deviance_range`.
 
     Parameters
     ----------

@@ -23,18 +23,18 @@ BALL_LOAD_RANGE = 100.0
 
 
 class PlannedTests(NamedTuple):
-    """Plan of further friction tests, with the coefficient of a pair and its 95 % interval after these tests."""
+    """Plan of further friction tests, with the coefficient of a pair and its 95 % interval expected after the tests."""
 
     text: str
     coefficient: ValueWithLimits
 
 
 class PlanConditions(NamedTuple):
-    """Conditions that all plans of further tests have in common."""
+    """Number and errors of further tests, and areas per load of a ball test, which all plans of further tests use."""
 
     # Number of further tests, equal to the number of present tests.
     num_tests: int
-    # Relative standard error of each further test: the median of the present tests, or `DEFAULT_RELATIVE_ERROR`.
+    # Relative standard error of each further test: the median error of the present tests, or `DEFAULT_RELATIVE_ERROR`.
     relative_error: float
     # True if the errors of the present tests are given.
     is_error_known: bool
@@ -43,7 +43,7 @@ class PlanConditions(NamedTuple):
 
 
 def find_plan_conditions(interface: Interface) -> PlanConditions:
-    """Return number and error of the further tests that `plan_tests` and `Interface.advice` assume for an interface."""
+    """Return the number and the error of further tests that `plan_tests` and `Interface.advice` assume."""
     relative_errors = [
         uncertainty / coefficient for _, coefficient, uncertainty, slid in interface.tests if slid and coefficient > 0
     ]
@@ -58,7 +58,7 @@ def find_plan_conditions(interface: Interface) -> PlanConditions:
 
 
 def list_area_plans(area_per_load: float, count: int) -> Iterator[tuple[str, Floats]]:
-    """Yield plans of further tests that would separate mu0 from tau0: description, and true area per load (1/GPa).
+    """Yield plans of further tests that would separate mu0 from tau0: a description, and A/F (1/GPa) of each test.
 
     `area_per_load` and `count` are the mean true area per load (1/GPa) and the number of the present tests.
     """
@@ -136,7 +136,7 @@ def plan_tests(interface: Interface, result: Any, load: float | str) -> tuple[Pl
 
 
 def _estimate_half_width(present: ValueWithLimits, common_error: float, error: float) -> float:
-    """Estimate the half width of a pair's 95 % interval after further tests of the same pair.
+    """Estimate the half width of the 95 % interval of a pair's coefficient after further tests of the same pair.
 
     `error` is the relative standard error of the mean of these tests. The tests do not reduce `common_error`, which
     they share with the present tests.
@@ -153,7 +153,7 @@ def _estimate_half_width(present: ValueWithLimits, common_error: float, error: f
 
 
 def _limit_to_interval(planned: ValueWithLimits, present: ValueWithLimits) -> ValueWithLimits:
-    """Limit the interval that is expected after planned tests to the present interval.
+    """Crop the interval that is expected after planned tests to the present interval of the coefficient.
 
     Sampling scatter can make the expected interval wider than the present interval.
     """
@@ -162,7 +162,7 @@ def _limit_to_interval(planned: ValueWithLimits, present: ValueWithLimits) -> Va
 
 
 def _reweight(fit: StrengthFit, areas_per_load: Floats, expected: Floats, error: Floats) -> StrengthFit:
-    """Resample the joint samples of a fit in proportion to the likelihood of planned measurements.
+    """Select joint samples of a fit in proportion to the likelihood of the expected results of planned tests.
 
     The planned tests have the given true areas per load (1/GPa), expected coefficients and standard errors.
     """

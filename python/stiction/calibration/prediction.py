@@ -113,8 +113,8 @@ class Interface(InterfaceStrength):
         )
 
         def compute_coefficients(fit: StrengthFit) -> tuple[Floats, Floats]:
-            """Return samples of the coefficient and of its upper limit, infinite if the softer body shears."""
-            # A parameter that also affects the fitted tests has the samples that the fit has drawn.
+            """Return samples of the coefficient and of its upper limit, which is infinite if the softer body shears."""
+            # A parameter that affects both the tests and the prediction has the random samples that the fit has drawn.
             scores = {**independent_scores, **fit.scores}
             law, friction_fraction = FrictionLaw(fit.mu0, fit.tau0), np.ones(())
             total_area = np.exp(test_sums.scatter * scores[area_error])

@@ -89,7 +89,7 @@ def _is_comment(line: str, bodies: Mapping[str, Any]) -> bool:
 
 
 def _parse_column_titles(title_row: list[str]) -> dict[str, tuple[int, str]]:
-    """Return a dictionary from the standard name of each column to the column's index and unit.
+    """Return the index and the unit of each table column, keyed by the standard name of the column.
 
     The name of a column of loads given as pressures is `pressure`.
     """

@@ -1,1 +1,1 @@
-"""Quantities and their intervals, evaluated from contact sums: forces and areas summed over a member's contacts."""
+"""Evaluation of friction and other quantities, with intervals, from forces and areas summed over contacts."""

@@ -117,9 +117,9 @@ def at_load(
             np.repeat(hardness[..., np.newaxis], 3, axis=-1), quantity_attributes("contact_hardness"),
         )  # fmt: skip
     if is_measured and is_requested("load_definition_effect", names):
-        # `load_definition_effect` compares the coefficients at an elastic load and at an equal normal load.
+        # `load_definition_effect` compares the coefficients at an elastic load and at a normal load of the same size.
         other_definition: LoadDefinition = "normal" if load_definition == "elastic" else "elastic"
-        # Ensemble means neglect growth and loss of contact area, so the compared coefficient neglects both, too.
+        # Like ensemble means, the compared coefficient neglects growth and loss of contact area under shear.
         other_result = (
             result
             if load_definition != "mean"
@@ -128,7 +128,7 @@ def at_load(
         members = evaluate_members(other_result, unique_loads, *strengths, other_definition, member_kind, ())
         other_coefficient = members.variables["friction_coefficient"].mean(("repetition", "direction"))
         coefficient = point.variables["mean_friction"].isel(statistic=0)
-        # A coefficient of 0 becomes NaN, because its relative change would be 0/0.
+        # A coefficient of 0 is replaced by NaN, because a relative difference from 0 is undefined.
         is_zero = np.abs(coefficient.values) <= MAX_RELATIVE_ROUND_OFF
         coefficient = coefficient.copy(data=np.where(is_zero, np.nan, coefficient.values))
         other_dims = [str(dim) for dim in coefficient.dims if dim not in (*MAP_CELL_DIMENSION_NAMES, "load")]
@@ -139,7 +139,7 @@ def at_load(
 def _find_bracketing_loads(
     result: MemberSums, loads: Floats
 ) -> tuple[Floats, tuple[NDArray[np.intp], NDArray[np.intp]], Floats] | None:
-    """Find the computed loads (mN) directly below and above each requested load.
+    """Find the computed loads (mN) next to each requested load, from which the result is interpolated.
 
     Returns None if no load is interpolated.
 

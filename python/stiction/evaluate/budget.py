@@ -187,7 +187,7 @@ def _evaluate_with_interface_strength(result: MemberSums, load: float, strength:
 def _add_own_uncertainty(
     at: xarray.Dataset, result: MemberSums, *, budget: bool, tests: bool, strength: InterfaceStrength | None = None
 ) -> xarray.Dataset:
-    """Add combined intervals and budget to a dataset, but ignore alternative preparations of the scans.
+    """Add combined intervals and budget to a dataset; alternative preparations of the scans are not included.
 
     If given, `strength` replaces the interface of the study.
     """
@@ -303,14 +303,14 @@ def _evaluate_uncertainty(
     return tables, coordinates
 
 
-# Uncertain inputs by name, and random samples of the pair (mu0, tau0).
+# Uncertain inputs (the key is the name of the input), and random samples of the pair (mu0, tau0).
 _UncertainInputsAndStrengthSamples = tuple[dict[str, StudyInput], list[JointSamples]]
 
 
 def find_inputs_and_strengths(
     study_inputs: Inputs, strength: InterfaceStrength | None = None, pair_checksum: str = ""
 ) -> _UncertainInputsAndStrengthSamples:
-    """Return a study's uncertain inputs and, for a calibrated interface, joint samples of mu0, tau0 and inputs.
+    """Return a study's uncertain inputs and, for a calibrated interface, joint samples of mu0, tau0 and shared inputs.
 
     The joint samples contain each input that also affected the tests of the interface, because its error is the same in
     the tests and in the pair. If both give the input ranges with the same central value, the narrower range applies.
@@ -324,7 +324,7 @@ def find_inputs_and_strengths(
     shared_inputs = find_shared_inputs(interface, estimates, pair_checksum)
     strengths = []
     for fit, coverage in apply_ranges_of_pair(interface, shared_inputs).sampled_fits:
-        # An input that is exact in the pair keeps its value.
+        # An input that is exact for the pair is not replaced by the samples of the calibration.
         shared = {name: shared_inputs[name].sample(fit) for name in inputs if name in shared_inputs}
         area_scores = fit.scores.get(area_error_name(pair_checksum))
         strengths.append(JointSamples(fit.mu0, fit.tau0, shared, area_scores, coverage))
@@ -333,7 +333,7 @@ def find_inputs_and_strengths(
 
 
 def _label_interface(study_inputs: Inputs, joint_samples: JointSamples) -> str:
-    """Return the label of a calibrated interface in the budget, with the names of the inputs in its samples."""
+    """Return the label of a calibrated interface in the budget, including the inputs that its samples also contain."""
     names = sorted(joint_samples.inputs, key=lambda name: name != "hardness")
     labels = [study_inputs.uncertain[name].label for name in names]
     if len(labels) > MAX_NAMED_SHARED_INPUTS:
@@ -354,7 +354,7 @@ def find_slope_drifts(attributes: Mapping[str, Any]) -> dict[str, float]:
 def _average_pairs_of_scans(
     result: MemberSums, at: xarray.Dataset, dims: Sequence[str]
 ) -> dict[tuple[int, ...], ScanPairMean | None]:
-    """Return each coefficient's mean over all pairs of an upper and a lower scan, with its variance components.
+    """Average each coefficient over all pairs of an upper and a lower scan; return means with variance components.
 
     The components are the variances due to upper scans, lower scans and positions. The result is empty for a single
     pair of scans.
@@ -384,11 +384,11 @@ class _QuantitiesWithCombinedIntervals:
                 self.tables[name] = own_dims, arrange_axes(variable, own_dims).copy()
 
     def add_intervals(self, position: tuple[int, ...], intervals: CombinedIntervals) -> None:
-        """Store the combined intervals of all quantities at the array position of one friction coefficient."""
+        """Store the combined intervals of all quantities at the array indices `position` of one coefficient."""
         indices = dict(zip(self._dims, position, strict=True))
         estimates, positions = {}, {}
         for name, (dims, values) in self.tables.items():
-            # A quantity that does not vary along a dimension has one interval, computed only at index 0.
+            # If a quantity does not vary along a dimension, its interval is computed only at the first index.
             if any(index > 0 for dim, index in indices.items() if dim not in dims):
                 continue
             positions[name] = tuple(indices[dim] for dim in dims[:-1])
@@ -407,7 +407,7 @@ def _iterate_intervals(
     inputs_by_strength: Mapping[tuple[float, float], _UncertainInputsAndStrengthSamples],
     scan_means: Mapping[tuple[int, ...], ScanPairMean | None], drifts: Mapping[str, float],
 ) -> Iterator[tuple[tuple[int, ...], CombinedIntervals]]:  # fmt: skip
-    """Yield the combined intervals of each friction coefficient, preceded by its indices along `dims`.
+    """Yield the array indices (along `dims`) and the combined intervals of each friction coefficient in a dataset.
 
     `inputs_by_strength` contains the results of `find_inputs_and_strengths` by mu0 and tau0.
     """
@@ -444,7 +444,7 @@ def _iterate_intervals(
         )
     shape = tuple(at.sizes[dim] for dim in dims)
     all_inputs = replace(study_inputs, mu0=at["mu0"].values[:, np.newaxis], tau0=at["tau0"].values)
-    # Quantities at the central inputs, for all mu0 and tau0. The key contains one index for each other dimension.
+    # Quantities at the central inputs, for all mu0 and tau0. The key contains the index along each other dimension.
     central_values: dict[tuple[int, ...], Any] = {}
     for position in np.ndindex(*shape):
         indices = dict(zip(dims, position, strict=True))
@@ -472,7 +472,7 @@ def _iterate_intervals(
 
 
 def _estimate_area_errors(adhesive_sums: Floats, axis: int, **_: Any) -> Floats:
-    """Return the relative standard error of the mean true area, from the adhesive sums along the axis of members."""
+    """Return the relative standard error of the mean true area, from the members' adhesive sums along `axis`."""
     return np.apply_along_axis(lambda sums: estimate_area_error(sums[np.isfinite(sums)]), axis, adhesive_sums)
 
 
@@ -554,7 +554,7 @@ def _widen_intervals_to_alternatives(
 
 
 def _get_remaining_intervals(at: xarray.Dataset, names: Iterable[str], dims: Sequence[Any]) -> Floats:
-    """Return for each named input the interval that would remain if this input were exact.
+    """Return, for each named input, the interval of the coefficient that would remain if this input were exact.
 
     An alternative preparation can have other inputs, such as a drift of the roughness. For an input that is missing in
     the dataset, the combined interval is returned.
@@ -585,7 +585,7 @@ def _extend_estimates(estimates_to_widen: Floats, included_estimates: Iterable[F
 def _get_arrays_over_dims(
     variables: Mapping[str, Any], at: xarray.Dataset, dims: Sequence[str]
 ) -> dict[str, NDArray[Any]]:
-    """Return the variables of a dataset as arrays whose first axes are the given dimensions.
+    """Convert dataset variables to arrays whose first axes are the dimensions `dims`.
 
     Variables that lack a dimension are constant along it. The arrays are much faster to index than variables.
     """
@@ -602,11 +602,11 @@ def _get_arrays_over_dims(
 def _get_combined_coefficients(
     at: xarray.Dataset, study: Study, dims: Sequence[str], known_intervals: Floats
 ) -> Floats:
-    """Return value, lower limit and upper limit (last axis) of each reported coefficient, with combined intervals."""
+    """Return the reported coefficients with combined intervals: value, lower limit and upper limit on the last axis."""
     combined_friction = arrange_axes(at.variables["mean_friction"], (*dims, "statistic")).copy()
     lower_limits = combined_friction[..., 1]
     combined_friction[..., 1] = np.where((lower_limits < 0) & (combined_friction[..., 0] >= 0), 0.0, lower_limits)
-    # An interval counts as computed even if its upper limit is infinite.
+    # A computed interval may have an infinite upper limit. Only NaN marks an interval that was not computed.
     is_known = ~np.isnan(known_intervals).any(axis=-1)
     combined_friction[is_known] = known_intervals[is_known]
     # The interval at the first cutoff must include the intervals at all other cutoffs.

@@ -53,13 +53,13 @@ NORMAL_DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
 MAX_CACHED_AREAS = 64
-# The cache is large enough for all mu0 and tau0 of a report.
+# The cache has room for all mu0 and tau0 of a report.
 MAX_CACHED_PRESSURES = 256
 
 
 @dataclass(frozen=True)
 class JointSamples:
-    """Joint samples of mu0, tau0 (GPa) and the inputs that the pair has in common with the friction tests.
+    """Joint samples of mu0, tau0 (GPa) and the inputs that a pair shares with the friction tests of its interface.
 
     Attributes
     ----------
@@ -113,9 +113,10 @@ The ratio states by which factor uncertain inputs change the quantity.
 def compute_quantity_ratios(
     response: ContactResponseToInputs, inputs: InputValues, values: ResponseValues, central: ResponseValues
 ) -> dict[RatioName, Floats]:
-    """Return the ratio of each contact quantity, except the closure, to the quantity at the central inputs.
+    """Return the ratio of each contact quantity at given inputs to the same quantity at the central inputs.
 
-    `values` and `central` are the quantities that the response gives for the inputs and for the central inputs.
+    The closure is omitted. `values` and `central` are the quantities that the response gives for the inputs and for the
+    central inputs.
     """
     hardness, central_hardness = (
         response.area.contact_hardness(response.load, input_values.hardness, input_values.size_effect)
@@ -137,7 +138,7 @@ def compute_quantity_ratios(
 
 @dataclass(frozen=True)
 class _InputSamples:
-    """Samples of uncertain inputs (cumulative probabilities and values) and of sampling errors (normal scores)."""
+    """Random samples of uncertain inputs (probabilities and values) and of sampling errors (normal deviates)."""
 
     probabilities: dict[str, Floats]
     scores: dict[str, Floats]
@@ -184,7 +185,7 @@ class InputSampler:
         return _get_cached(self._areas, key, MAX_CACHED_AREAS, partial(response.areas_before_shear, inputs))
 
     def find_yield_pressure(self, key: Any, response: ContactResponseToInputs, inputs: InputValues) -> Any:
-        """Return the pressure (GPa) of yielding contacts for each sample of the inputs.
+        """Return the contact pressure (GPa) at which contacts yield, for each sample of the inputs.
 
         The pressures are cached for other loads with the same `key`.
         """
@@ -206,7 +207,7 @@ class InputSampler:
         from scipy.special import ndtri
 
         if fixed:
-            # Only the fixed inputs and errors differ from the samples without fixed inputs.
+            # Inputs and errors that are not fixed keep the samples of the case without fixed inputs.
             samples = self.draw_samples(inputs, names, _NO_FIXED_INPUTS)
             probabilities = {name: np.array([quantile]) for name, quantile in fixed.items() if name in names}
         else:
@@ -265,7 +266,7 @@ class CombinedIntervals:
         self.names: tuple[str, ...] = ()
         self.inputs: dict[str, UncertainInput] = {name: study_input.estimate for name, study_input in inputs.items()}
         # The first element of `strengths` contains random samples of the pair (mu0, tau0).
-        # In each further element of `strengths`, mu0 or tau0 is 0 in all samples.
+        # Each further element contains samples with mu0 = 0, or samples with tau0 = 0.
         self.strengths = strengths
         self.is_tested = any(samples.area_scores is not None for samples in strengths)
         self.area_error = area_error
@@ -281,7 +282,7 @@ class CombinedIntervals:
         self.value, self.sampling = value, (lower, upper)
         # Range of friction coefficients that finer scans could give, computed from the mean coefficient.
         self.finest: tuple[float, float] | None = None
-        # As `finest`, but the upper limit is computed from the upper limit of the interval of the mean coefficient.
+        # Range like `finest`, but with an upper limit computed from the upper limit of the interval of the mean.
         self.bracket: tuple[float, float] | None = None
         is_nonadhesive_half_space = study.uses_half_space and not study.contact.adheres
         if study.contact.hardness is not None and is_nonadhesive_half_space and self.rule == "all":
@@ -322,7 +323,7 @@ class CombinedIntervals:
         }
 
     def _find_test_scatter(self, point: Mapping[str, Any]) -> tuple[float, float]:
-        """Return the relative standard deviation of single tests about their mean, and its degrees of freedom.
+        """Return the relative standard deviation of the coefficients of single tests, and its degrees of freedom.
 
         A single test is a test of one new member in one direction.
         """
@@ -336,7 +337,7 @@ class CombinedIntervals:
     # ---- Friction ----------------------------------------------------------------------------------------------------
 
     def estimate_zero_coefficient(self) -> tuple[float, float, float]:
-        """Return the coefficient with its 95 % interval if the coefficient is 0 at the central inputs, or NaN.
+        """Return the coefficient and its 95 % interval if the coefficient is 0 at the central inputs, else NaN.
 
         Relative errors of such a coefficient are undefined. Therefore, the interval is computed from samples of mu0 and
         tau0. It contains the coefficient and the interval of its mean, and its lower limit is at least 0. The result is
@@ -358,7 +359,7 @@ class CombinedIntervals:
         return value, max(lower_limit, 0.0), upper_limit
 
     def interval(self, fixed: Mapping[str, float] = _NO_FIXED_INPUTS) -> Interval:
-        """Return the combined 95 % interval of the coefficient, with the inputs in `fixed` at the given quantiles.
+        """Return the combined 95 % interval of the coefficient; inputs in `fixed` are held at the given probabilities.
 
         The interval contains the coefficient. Unless `fixed` contains these sources, it also contains the interval of
         the mean and the range of coefficients for finer scans.
@@ -394,7 +395,7 @@ class CombinedIntervals:
 
     @property
     def unlimited_fraction(self) -> float:
-        """Fraction of input samples for which friction has no upper limit."""
+        """Fraction of the input samples that give friction without an upper limit."""
         if "junction_growth" not in self.inputs and not np.any(self.response.central.junction_growth):
             return 0.0
         return float(np.isinf(self._sample_friction({})[1]).mean())
@@ -410,7 +411,10 @@ class CombinedIntervals:
         )
 
     def predict_percentiles(self) -> Floats:
-        """Return the percentiles `FRICTION_PERCENTILES` of single tests; their range encloses the mean coefficient."""
+        """Return the percentiles `FRICTION_PERCENTILES` of the coefficients that single tests would measure.
+
+        The range of the percentiles encloses the mean coefficient.
+        """
         probabilities = FRICTION_PERCENTILES / 100
         percentiles_by_strength = [
             compute_quantiles(
@@ -426,7 +430,7 @@ class CombinedIntervals:
 
     @cached_property
     def _next_test_samples(self) -> list[tuple[Floats, Floats]]:
-        """Samples of the coefficient in one further test in one direction, and samples of its upper limit.
+        """Samples of the coefficient that one further test in one direction would measure, and of its upper limit.
 
         Student's t distribution applies to the logarithm of the coefficient, so that the coefficient is above 0. The
         test is at another place of a body whose roughness drifts, so that the drift counts twice. The list has one pair
@@ -505,13 +509,13 @@ class CombinedIntervals:
         return self._compute_interval_of_samples(fixed)
 
     def _compute_interval_of_samples(self, fixed: Mapping[str, float], dwell_time: float = 1.0) -> Interval:
-        """Return the 95 % interval of coefficient samples, extended by the intervals with mu0 = 0 or tau0 = 0.
+        """Return the 95 % interval of coefficient samples, widened to include the intervals for mu0 = 0 or tau0 = 0.
 
         The interval is cached for further evaluations of the same coefficient, possibly together with other
         coefficients.
         """
         response = self.response
-        # The round-off of a coefficient depends on its neighbours in the array, so the cache key has 12 decimals.
+        # The cache key is rounded to 12 decimals, because further digits depend on the other coefficients in the array.
         estimate = self.sampling_estimate.round(12).tobytes()
         coefficient = response.load, id(response.area), self.rule, self.mu0, self.tau0, estimate
         interval_key = coefficient, self.names, (*fixed.items(),), dwell_time
@@ -528,19 +532,19 @@ class CombinedIntervals:
 
     @property
     def _coverages(self) -> list[float]:
-        """Coverages, such as 0.95, of the intervals that are computed from the joint samples in `strengths`."""
+        """Coverages, such as 0.95, of the intervals computed from each set of joint samples in `strengths`."""
         return [each.coverage for each in self.strengths] or [INTERVAL_COVERAGE]
 
     @property
     def _intervals_without_upper_limit(self) -> list[Interval]:
-        """Interval [value, ∞) in a list if friction at the central inputs has no upper limit, or an empty list."""
+        """List with the interval [value, ∞) if friction at the central inputs has no upper limit; empty otherwise."""
         return [Interval(self.value, math.inf)] if self._central.has_no_upper_limit else []
 
     def _sample_all_strengths(
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, factor: Floats | float = 1.0,
         drift_factor: float = 1.0,
     ) -> list[tuple[Floats, Floats]]:  # fmt: skip
-        """Return samples of the coefficient and of its upper limit, one pair of arrays per item of `strengths`.
+        """Return samples of the coefficient and of its upper limit, as one pair of arrays per set of joint samples.
 
         All samples are multiplied by `factor`.
         """
@@ -585,7 +589,7 @@ class CombinedIntervals:
         self, inputs: InputValues, names: tuple[str, ...], fixed: Mapping[str, float] = _NO_FIXED_INPUTS,
         dwell_time: float = 1.0, drift_factor: float = 1.0,
     ) -> tuple[AreasBeforeShear | None, Any]:  # fmt: skip
-        """Return true areas before shear and yield pressures from the cache, computed in the first call.
+        """Return true areas before shear and yield pressures for each input sample, computed once and then cached.
 
         Returns None for both with a calibrated interface.
 
@@ -655,14 +659,14 @@ class CombinedIntervals:
 
 @lru_cache(maxsize=8)
 def _compute_test_scores(freedom: float, num_dimensions: int) -> Floats:
-    """Return quantiles of Student's t distribution at the last coordinate of each stratified sample point."""
+    """Return stratified samples of Student's t distribution, from the last coordinate of stratified sample points."""
     from scipy.special import stdtrit
 
     return make_read_only(np.asarray(stdtrit(freedom, generate_stratified_points(num_dimensions)[:, -1])))
 
 
 def _compute_friction_angle_difference(ends: tuple[float, float]) -> float:
-    """Return the difference (rad) between the friction angles at both limits of an interval of coefficients."""
+    """Convert both limits of an interval of coefficients to friction angles, and return their difference (rad)."""
     return math.atan(ends[1]) - math.atan(ends[0])
 
 
@@ -715,7 +719,7 @@ def compute_quantiles(
 def _find_quantiles(
     probabilities: Floats, values: NDArray[Any], axis: int | None, method: Literal["inverted_cdf", "linear"]
 ) -> Floats:
-    """Return exactly the quantiles of `numpy.quantile`, in a fifth of the time if `axis` is None.
+    """Return the same quantiles as `numpy.quantile`; without `axis`, in a fifth of the time.
 
     `numpy.partition` uses SIMD instructions only for a single index, and `numpy.quantile` passes several indices.
     """
@@ -747,7 +751,7 @@ def _interpolate_quantile(probability: float, values: NDArray[Any]) -> float:
 
 
 def extend_percentiles(percentiles: Floats, other_percentiles: Iterable[Floats]) -> Floats:
-    """Widen the range of percentiles to enclose the percentiles of other samples.
+    """Move the outer percentiles of the coefficient outwards to enclose the percentiles of other samples.
 
     The median, and missing percentiles, are kept. NaN in the other percentiles is ignored.
     """

@@ -72,7 +72,7 @@ class AreaFunction:
     def contact_hardness(
         self, load: ArrayLike, hardness: ArrayLike | None = None, size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH
     ) -> Any:
-        """Return the hardness (GPa) of the contacts at a load (mN).
+        """Return the hardness (GPa) of contacts at a load (mN): the measured hardness, corrected for a size effect.
 
         Returns None if the study has no hardness.
 
@@ -166,14 +166,14 @@ class _SolvedAreas:
 
     # True areas, averaged over all members.
     all_members: Floats
-    # True areas, averaged over the members whose elastic area is stored.
+    # True areas, averaged over the members with a stored elastic area.
     elastic_members: Floats
     # Means of the stored elastic areas, or estimates of these means. NaN if the study needs no elastic areas.
     elastic: Floats
 
 
 def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
-    """Average the stored true areas over the members that are pairs of scans or, without such members, surrogates."""
+    """Average the stored true areas over all members made from scans or, if there are none, over the surrogates."""
     study = result.study
     has_elastic_areas = study.contact.yield_exponent is not None
     first_index = study.surfaces.first_scan_member_index
@@ -243,7 +243,7 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
 def compute_onset_area_and_friction_factors(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats
 ) -> tuple[Floats, Floats]:
-    """Return the growth of the true area under shear, and the friction fraction, at the onset of sliding.
+    """Return how shear changes the contacts until the onset of sliding: true area growth and friction fraction.
 
     The growth is the true area divided by the area before shear. The friction fraction is
     `OnsetState.friction_fraction`. Both arrays have the shape (cells, loads, mu0, tau0). The growth is infinite at
@@ -262,7 +262,7 @@ def compute_onset_area_and_friction_factors(
 
 
 def _estimate_contact_depths(result: MemberSums) -> Floats | None:
-    """Return the depth (µm) of an indentation of the mean contact's size, as an array (cutoffs, loading steps).
+    """Return the depth (µm) of indentations as large as the mean contact, as an array (cutoffs, loading steps).
 
     Returns None if the depth of the indentation that measured the hardness is unknown. The contacts have the true area
     at the measured hardness.
@@ -278,14 +278,14 @@ def _estimate_contact_depths(result: MemberSums) -> Floats | None:
 
 
 def _average_contact_loads(result: MemberSums) -> Floats | None:
-    """Return the mean load (mN) on the contacts (load plus attraction) as an array (cutoffs, loading steps)."""
+    """Return the mean load (mN) on the contacts (load plus attraction), as an array (cutoffs, loading steps)."""
     if "contact_load" not in result.head.variables:
         return None
     return np.asarray(result.means(["contact_load"])["contact_load"].transpose("cut_off", "load").values)
 
 
 def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
-    """Estimate elastic areas (µm²) if a result contains only contacts whose pressure is limited to the hardness.
+    """Estimate the areas (µm²) of elastic contacts, for a result whose contact pressure is limited to the hardness.
 
     The estimate A = κ F/(E* h') holds for small loads. Surfaces that fit perfectly are in complete contact.
     """
@@ -300,7 +300,7 @@ def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
 
 
 def compute_load_exponents(result: MemberSums, name: str, loads: Floats) -> Floats:
-    """Return d ln(q)/d ln(F), where q is the mean of a stored quantity, at given loads F (mN)."""
+    """Return d ln(q)/d ln(F) at given loads F (mN), where q is the mean of a stored quantity over members."""
     steps = result.study.contact.loading_steps()
     quantity = result.means([name]).variables[name]
     mean = np.asarray(quantity.mean([dim for dim in quantity.dims if dim != "load"]).values)
@@ -308,7 +308,7 @@ def compute_load_exponents(result: MemberSums, name: str, loads: Floats) -> Floa
 
 
 def compute_exponents(loads: Floats, values: Floats) -> Floats:
-    """Return the exponents d ln(q)/d ln(F) of a quantity that has the values q at the loads F.
+    """Return the exponent d ln(q)/d ln(F) at each load F, for a quantity with the values q at these loads.
 
     Returns 1 if fewer than two values of q are known.
     """
@@ -321,7 +321,7 @@ def compute_exponents(loads: Floats, values: Floats) -> Floats:
 
 
 def compute_yield_factors(result: MemberSums) -> Floats | None:
-    """Return the ratio of the true area to the stored area as an array (cutoffs, loading steps).
+    """Return the true area of yielding contacts divided by the stored area, as an array (cutoffs, loading steps).
 
     The stored area is that of contacts whose pressure is limited to the hardness. Returns None if both areas are equal,
     because the bodies are elastic or the result has no elastic areas.
@@ -336,7 +336,7 @@ def compute_yield_factors(result: MemberSums) -> Floats | None:
 
 
 def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
-    """Return the true area at a given hardness (GPa), divided by the stored area (see `compute_yield_factors`)."""
+    """Return the true area of contacts with a given hardness (GPa), divided by the stored area."""
     contact: Any = result.study.contact
     areas, loads = result.compute_once(_average_solved_areas), contact.loading_steps()
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -356,7 +356,7 @@ def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
 
 
 def iterate_pieces_with_true_areas(result: MemberSums, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-    """Yield groups of members, with area sums scaled to the true area of yielding contacts.
+    """Yield the members in groups; the contact areas in each group are the true areas of yielding contacts.
 
     The scaled sums are `AREA_PROPORTIONAL_SUM_NAMES`. All other sums are those of the half-space solution.
     """

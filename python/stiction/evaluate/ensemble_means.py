@@ -91,7 +91,7 @@ def _evaluate_direction_groups(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, quantities: Sequence[str],
     groups: NDArray[np.intp] | None = None, *, includes_ratios: bool,
 ) -> dict[str, xarray.Dataset]:  # fmt: skip
-    """Evaluate quantities at given mean normal loads, averaged over the directions of motion in each group.
+    """Evaluate quantities at given mean normal loads, and average them over each group of directions of motion.
 
     The groups are direction indices with the shape (groups, directions). Without groups, no average is computed.
     """
@@ -111,7 +111,7 @@ def _evaluate_direction_groups(
 
 
 def _average_unloaded_members(result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats) -> dict[str, Any]:
-    """Average over members without load: pull-off force, fraction of pull-off forces that are bounds, and friction."""
+    """Average over members at zero load: pull-off force, fraction of pull-off forces that are bounds, and friction."""
     import xarray
 
     variables = {}

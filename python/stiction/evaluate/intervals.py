@@ -24,7 +24,7 @@ INTERVAL_STATISTICS = ["mean", "lower", "upper"]
 NUM_LOAD_STEPS_PER_SIDE_OF_SLOPE_FIT = 4
 MAX_INTERPOLATED_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads that allows interpolation between them."""
-# Maximum number of values that are evaluated together. Evaluating more values together would not be faster.
+# Maximum number of array elements that are evaluated together. Larger batches would not be faster.
 MAX_VALUES_PER_BATCH = 2**17
 # Minimum number of repetitions for an interval.
 MIN_SAMPLE_SIZE = 3
@@ -42,9 +42,9 @@ Friction up to this fraction of the load or of the pull-off force counts as roun
 """
 _TRIAL_NEIGHBOUR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_NEWTON_STEPS = 50
-# The interval of a mean is symmetric if the skewness of the values is 0 to within this number.
+# The interval of a mean is symmetric if the absolute skewness of the values is at most this number.
 _MAX_SYMMETRIC_SKEWNESS = 1e-9
-# Student's t distribution counts as normal above this number of degrees of freedom.
+# Maximum number of degrees of freedom. Student's t distribution with this number is practically normal.
 MAX_DEGREES_OF_FREEDOM = 1e6
 
 
@@ -62,13 +62,13 @@ class LoadCrossings:
     A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
     """
 
-    # Index of the first step at or above each load, with the shape (..., loads).
+    # Index of the first loading step at or above each load, with the shape (..., loads).
     index: NDArray[np.intp]
-    # Position of each load between two steps, from 0 to 1, with the shape (..., loads).
+    # Position of each load between two loading steps, from 0 to 1, with the shape (..., loads).
     fraction: Floats
     # True for loads that the curve reaches, with the shape (..., loads).
     reached: NDArray[np.bool_]
-    # True for loads below the first step, with the shape (..., loads).
+    # True for loads below the first loading step, with the shape (..., loads).
     below: NDArray[np.bool_]
     # Loads of the curves, and requested loads. None if no ratio of a quantity to the load is interpolated.
     scale: tuple[Floats, Floats] | None = None
@@ -109,7 +109,7 @@ class LoadCrossings:
         return cls(index, fraction, reached, ~reached & is_at_least_load[..., 0, :])
 
     def without_crossings_after_nan(self, curve: Floats, loads: Floats) -> LoadCrossings:
-        """Remove the crossings that lie between a loading step with a NaN in `curve` and the next loading step."""
+        """Remove the crossings between a loading step at which `curve` is NaN and the following loading step."""
         value_before, value_at_crossing = self._get_bracketing_values(curve)
         return replace(self, reached=self.reached & (np.isfinite(value_before) | (value_at_crossing == loads)))
 
@@ -142,7 +142,7 @@ class LoadCrossings:
         values = np.broadcast_to(values, (*shape, values.shape[-1]))
         values_after = np.take_along_axis(values, index, axis=-1)
         values_before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
-        # If a load equals a loading step exactly, the quantity at the previous step may be NaN.
+        # If a load equals a loading step exactly, the quantity at the previous step has no effect, and may be NaN.
         # Quantities may also be infinite, such as the stiffness at complete contact.
         with np.errstate(invalid="ignore"):
             interpolated = np.where(
@@ -154,12 +154,12 @@ class LoadCrossings:
 
     @property
     def loads(self) -> Floats:
-        """Requested loads (mN), stored only if the crossings were found with `interpolates_ratio`."""
+        """Requested loads (mN), available only if the crossings were found with `interpolates_ratio`."""
         assert self.scale is not None, "the crossings were found with interpolates_ratio"
         return self.scale[1]
 
     def interpolate_with_slopes(self, values: Floats, slopes: Floats) -> tuple[Floats, Floats]:
-        """Return an increasing quantity and its derivative with respect to ln(load), by cubics between loading steps.
+        """Interpolate an increasing quantity and its derivative with respect to ln(load), by cubics between load steps.
 
         The arrays have the shape (..., k), and the results have the shape (..., l). The crossings must have been found
         with `interpolates_ratio`. Between two loading steps, slopes are limited so that the cubic increases (Fritsch &
@@ -248,7 +248,7 @@ class MeansAtLoads:
 
     def __init__(self, normal: Floats, quantities: Sequence[Floats], repetitions: int, loads: Floats) -> None:
         self.crossing = LoadCrossings.from_curves(normal, loads)
-        # A point is the crossing of one curve with one requested load that the curve reaches. There are p points.
+        # Each point is the crossing of one curve with one requested load that the curve reaches. There are p points.
         self._curve, load = map(np.ascontiguousarray, np.nonzero(self.crossing.reached))
         self._index, self._fraction = self.crossing.index[self._curve, load], self.crossing.fraction[self._curve, load]
         self._repetitions = repetitions
@@ -261,7 +261,7 @@ class MeansAtLoads:
         self._num_carrying = np.zeros(normal.shape[0], np.intp)
 
     def add_repetitions(self, normal: Floats, quantities: Sequence[Floats]) -> None:
-        """Include further repetitions in the jackknife sums. Arrays have the shape (curves, steps, repetitions)."""
+        """Add further repetitions to the jackknife sums, from arrays with the shape (curves, steps, repetitions)."""
         self._num_carrying += np.count_nonzero(normal.any(axis=1), axis=1)
         points = {"curve": self._curve, "step": self._index, "fraction": self._fraction, "load": self._load}
         for quantity, values in zip(self._quantities, quantities, strict=True):
@@ -290,7 +290,7 @@ class MeansAtLoads:
         return np.asarray(values_before + self._fraction * (values_after - values_before))
 
     def _arrange_over_loads(self, values_at_crossings: Floats) -> Floats:
-        """Arrange one number per crossing in an array (curves, loads); NaN where a curve does not reach a load."""
+        """Convert one number per crossing to an array (curves, loads), with NaN where a load is not reached."""
         values_at_loads = np.full(self.crossing.reached.shape, np.nan)
         values_at_loads[self.crossing.reached] = values_at_crossings
         return values_at_loads
@@ -308,7 +308,7 @@ class _QuantityAtLoads:
     def add_repetitions(
         self, normal: Floats, values: Floats, points: Mapping[str, NDArray[Any]], total_repetitions: int
     ) -> None:
-        """Include further repetitions in the jackknife sums. Arrays have the shape (curves, steps, repetitions)."""
+        """Add further repetitions to the jackknife sums, from arrays with the shape (curves, steps, repetitions)."""
         self.has_negative_values |= (values < 0).any(axis=(1, 2))
         power_sums = _core.jackknife_sums(
             normal, values, **points, mean=self.mean, slope=self._slope, total_repetitions=total_repetitions
@@ -319,7 +319,7 @@ class _QuantityAtLoads:
         self.keeps_load &= power_sums[9] > MIN_SIGN_PRESERVING_CHANGE
 
     def interval(self, curve: NDArray[np.intp]) -> tuple[Floats, Floats]:
-        """Return the interval limits of the mean, one pair for each crossing of a load curve with a requested load.
+        """Return the interval limits of the mean, for each crossing of a load curve with a requested load.
 
         `curve` contains the index of the curve of each crossing.
         """
@@ -330,7 +330,7 @@ class _QuantityAtLoads:
         is_symmetric = ~self.keeps_sign | ~self._logarithms.is_finite()
         if is_symmetric.any():
             half_width = self._differences.half_width()
-            # If all repetitions have equal loads and quantities, the half width is only the round-off of the load.
+            # If the loads and quantities of all repetitions are equal, the half width is only round-off.
             round_off = MAX_RELATIVE_ROUND_OFF * (np.abs(mean) + np.abs(self._slope) * self._load)
             half_width = np.where(half_width <= round_off, 0.0, half_width)
             lower_bound = np.where(self.has_negative_values, -np.inf, 0.0)[curve]
@@ -340,23 +340,23 @@ class _QuantityAtLoads:
 
 
 class PowerSums:
-    """Sums of the first to fourth powers of jackknife values, which determine the half width of an interval."""
+    """Power sums (first to fourth powers) of jackknife values, from which the half width of an interval is computed."""
 
     def __init__(self, shape: tuple[int, ...]) -> None:
         self._count = 0
         self._sums = np.zeros((4, *shape))
 
     def add_values(self, values: Floats) -> None:
-        """Include further jackknife values in the stored sums of powers."""
+        """Add the first four powers of further jackknife values to the stored sums."""
         self._count += values.shape[-1]
         squares = values * values
         self._sums[0] += values.sum(axis=-1)
-        # `np.einsum` adds up products without storing the products in an array.
+        # `np.einsum` sums the products of the values without storing the products in an array.
         for index, factors in enumerate(((values, values), (squares, values), (squares, squares)), start=1):
             self._sums[index] += np.einsum("...r,...r", *factors)
 
     def add_sums(self, count: int, sums: Floats) -> None:
-        """Add the sums of the first four powers of `count` further jackknife values to the stored sums."""
+        """Add sums of the first four powers, taken over `count` further jackknife values, to the stored sums."""
         self._count += count
         self._sums += sums
 
@@ -393,7 +393,7 @@ def _fit_slopes(quantities: Sequence[Floats], normal: Floats, index: NDArray[np.
     count = is_inside.sum(axis=1, keepdims=True)
 
     def compute_deviations(curves: Floats) -> Floats:
-        """Return each curve minus its mean over the window of loading steps; 0 outside the window."""
+        """Return curves minus their means over a window of loading steps, with 0 outside the window."""
         values = np.where(is_inside, np.take_along_axis(curves, window_indices, axis=1), 0.0)
         return np.where(is_inside, values - values.sum(axis=1, keepdims=True) / count, 0.0)
 
@@ -442,7 +442,7 @@ def interval_around_mean(mean: ArrayLike, half_width: ArrayLike, is_signed: Arra
 
 @lru_cache(maxsize=32)
 def _compute_mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
-    """Return constants for intervals of means of `count` values, for each tabulated correlation of neighbours.
+    """Return constants for the interval of a mean of `count` values, for each tabulated correlation of neighbours.
 
     With the correlation matrix R of the values, the constants are 1' R^-1 1, the variance of the mean relative to that
     of a value, and the two-sided 95 % quantile and the peak density of Student's t distribution.
@@ -465,7 +465,7 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
     there are fewer than `MIN_NEIGHBOURING_POSITIONS` values or if all values are equal.
     """
     count = values.shape[0]
-    # Each row of the transposed array is averaged separately, so the round-off of a mean is independent of other rows.
+    # Each column of `values` is averaged separately, so the round-off of a mean is independent of other columns.
     rows = np.ascontiguousarray(values.reshape(count, math.prod(values.shape[1:])).T)
     mean = rows.mean(axis=1) if count else np.full(rows.shape[0], np.nan)
     lower, upper = np.full((2, mean.size), np.nan)
@@ -492,12 +492,13 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
     has_spread = (standard_deviation > 0) & (values != values[:, :1]).any(axis=1)
     y, rho = deviations / np.where(has_spread, standard_deviation, 1.0)[:, np.newaxis], _TRIAL_NEIGHBOUR_CORRELATIONS
     y[~has_spread] = np.linspace(-1.0, 1.0, value_count)
-    # With the correlation matrix R of an autoregressive process, 1' R^-1 1, 1' R^-1 y and y' R^-1 y are short sums.
+    # R is the correlation matrix of an autoregressive process. Because R^-1 has only three nonzero diagonals,
+    # 1' R^-1 1, 1' R^-1 y and y' R^-1 y are short sums.
     weight_sums, inflation, quantile, density = _compute_mixture_constants(value_count)
     end_values = y[:, [0, -1]]
     inner_sums, end_squares = y[:, 1:-1].sum(axis=1)[:, np.newaxis], np.square(end_values).sum(axis=1)[:, np.newaxis]
     products = (y[:, 1:] * y[:, :-1]).sum(axis=1)[:, np.newaxis]
-    # The array `centre` has one row for each row of values, and one column for each trial correlation of neighbours.
+    # The array `centre` has one row for each series of values, and one column for each trial correlation of neighbours.
     centre = (end_values.sum(axis=1)[:, np.newaxis] + (1 - rho) * inner_sums) / (1 + rho) / weight_sums
     total_squares = (1 + rho**2) * (np.square(y).sum(axis=1)[:, np.newaxis]) - rho**2 * end_squares - 2 * rho * products
     squares = total_squares / (1 - rho**2) - weight_sums * centre**2
@@ -528,13 +529,13 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
 
 
 def average_line_means(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
-    """Average a quantity along each line of positions, and return the mean over lines with its 95 % interval."""
+    """Average a quantity over the positions on each line; return the mean over lines with its 95 % interval."""
     if not values.shape[0]:
         return tuple(np.full(values.shape[1:], np.nan) for _ in range(3))  # type: ignore[return-value]
     _, first_indices, index = np.unique(lines, return_index=True, return_inverse=True)
     line_means = values
     if first_indices.size > 1:
-        # `line_means` contains one number for each line. The mean of these numbers equals the mean over all positions.
+        # `line_means` has one element for each line. The mean of the elements equals the mean over all positions.
         position_counts = np.bincount(index).reshape(-1, *(1,) * (values.ndim - 1))
         line_sums = np.zeros((first_indices.size, *values.shape[1:]))
         np.add.at(line_sums, index, values)
@@ -608,7 +609,7 @@ def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[n
     freedom = float(freedoms[~is_separate].sum())
     residual_variance = float(sums[~is_separate].sum()) / max(freedom, 1.0)
     variance_components = np.append(np.where(is_separate, mean_squares - residual_variance, 0.0)[:2], residual_variance)
-    # With n separate mean squares, the components add up to Σ (separate mean squares) + (1 - n) · (residual variance).
+    # The variance components add up to Σ (n separate mean squares) + (1 - n) · (residual variance).
     component_weights = np.append(
         np.where(is_separate, mean_squares, 0.0)[:2], (1 - is_separate.sum()) * residual_variance
     )
@@ -630,7 +631,7 @@ def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[n
 
 
 def _single_test_degrees_of_freedom(components: Floats, freedoms: Floats) -> float:
-    """Return the degrees of freedom of the variance of a single test, which is a sum of variance components.
+    """Return the degrees of freedom of the variance of a single test, which is the sum of several variance components.
 
     The degrees of freedom are limited, so that the interval is at least as wide as the interval from each component
     alone. With two scans, the variance between scans has one degree of freedom. If the estimate of this variance is

@@ -67,5 +67,5 @@ def find_negligible_load(result: MemberSums) -> float:
 
 
 def _average_pull_off_by_piece(result: MemberSums) -> list[float]:
-    """Return the mean pull-off force (mN) of each group of members that is read into memory together."""
+    """Return the mean pull-off force (mN) of the members in each group that is read into memory at once."""
     return [float(np.nanmean(piece["pull_off"].values)) for piece in result.pieces(["pull_off"])]

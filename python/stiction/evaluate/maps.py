@@ -230,7 +230,7 @@ def move_repetitions_last(variable: xarray.Variable, dims: Sequence[str]) -> NDA
 def iterate_solved_pieces(
     result: MemberSums, names: Iterable[str] | None = None, transform: DatasetTransformation | None = None
 ) -> Iterator[xarray.Dataset]:
-    """Yield groups of members, without the members for which the solver failed at a load."""
+    """Yield the members in groups, without members for which the solver failed at any load."""
     for piece in iterate_pieces_with_true_areas(result, names):
         elastic_loads = piece.variables["normal_elastic"]
         is_solved = np.isfinite(
@@ -336,7 +336,7 @@ class _EnsembleQuantities:
     def compute_curves(
         self, cell: tuple[int, ...], sums: Sequence[ContactSums], selected_members: slice = slice(None)
     ) -> list[Floats]:
-        """Return normal load (mN) and quantities at each loading step, for selected members of one result cell.
+        """Return the normal load (mN) and the quantities over the loading steps, for selected members of one cell.
 
         `cell` indexes sliding rule, direction and surfaces, and `sums` comes from `_compute_sums`. The first axis of
         each array runs over all pairs of mu0 and tau0.
@@ -366,7 +366,7 @@ class _EnsembleQuantities:
         status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
 
         def evaluate_cell(cell: tuple[int, ...], means: intervals.MeansAtLoads) -> dict[str, NDArray[Any]]:
-            """Store means, intervals and statuses of a result cell, and return the ratios of its contact sums."""
+            """Store means, intervals and statuses of one cell, and return the ratios of the cell's contact sums."""
             for index, statistics in enumerate(estimates):
                 for array, curve_values in zip(statistics, (means.mean(index), *means.interval(index)), strict=True):
                     array[cell] = _reshape_curves(curve_values, self.shape)
@@ -432,12 +432,12 @@ class _EnsembleQuantities:
 
 
 def _reshape_curves(curve_table: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Reshape a table (curves, loads), with one curve per mu0 and tau0, to an array (loads, mu0, tau0)."""
+    """Reshape a table (curves, loads) to an array (loads, mu0, tau0); each curve belongs to one mu0 and tau0."""
     return np.moveaxis(curve_table.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
 def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension: str) -> list[ContactSums]:
-    """Return all contact sums of the members, followed by the sums from which each named quantity is computed.
+    """Return the contact sums of the members, followed by one `ContactSums` object per named quantity.
 
     The first axes of each sum are sliding rule and direction. If a quantity is stored directly, it replaces the area in
     the returned sums.
@@ -467,7 +467,7 @@ def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension:
 
 
 def _get_values_or_nan(dataset: xarray.Dataset, name: str, step_dimension: str) -> NDArray[Any]:
-    """Return a variable as an array (motion, cell, step, repetition), filled with NaN if the variable is missing."""
+    """Return a variable as an array (motion, cell, step, repetition), or only NaN if the variable is missing."""
     dims = [
         *(motion for motion in MOTION_DIMENSION_NAMES if motion in dataset.dims),
         *find_cell_dimensions(dataset),

@@ -34,7 +34,7 @@ The sum of areas exceeds the nominal area if asperities overlap.
 
 @dataclass(frozen=True, eq=False)
 class AdjacentLoadValues:
-    """Quantities of all members at two computed loads, one below and one above each requested load.
+    """Quantities of all members at the two computed loads that enclose each requested load.
 
     The position of a requested load is a fraction of the distance in ln F; it is 0 at a computed load.
     """
@@ -98,7 +98,7 @@ def average_members(
         _remove_negative_means(directional_means, is_downhill),
         attributes,
     )
-    # A mean over directions has no meaning if the slider slides downhill by itself in one direction.
+    # A mean over directions has no meaning if the slider slides by itself, without a tangential load, in one direction.
     # For mu0 = tau0 = 0, the mean is kept, because the coefficients of opposite directions cancel to a mean of 0.
     has_strength = np.add.outer(members["mu0"].values, members["tau0"].values) > 0
     counts_as_downhill = is_downhill & ~(directional_means[..., 2] >= 0) & has_strength
@@ -210,7 +210,7 @@ def include_interpolation_error(
     means: Floats, values: Floats, below: Floats, above: Floats, position: Floats,
     mean_with_interval: Callable[[Floats], Floats],
 ) -> Floats:  # fmt: skip
-    """Widen the intervals of means by the error of interpolating between two computed loads.
+    """Widen the intervals of means to include the error of interpolation between two computed loads.
 
     The error has two parts, which are combined with the interval in quadrature. The random part is due to members whose
     quantities jump when contacts appear or merge: if the changes between the computed loads have the half width h, it
@@ -261,7 +261,7 @@ def include_interpolation_error(
 
 
 def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
-    """Combine the statuses of all members (first axis) in one status.
+    """Combine the statuses of all members (first axis) into one status per coefficient.
 
     The combined status has a coefficient if the status of any member has one. Otherwise, it is the most frequent
     status. The statuses with a coefficient are "ok" and "bulk-shear", whose coefficient is a lower limit.
@@ -276,7 +276,7 @@ def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
 
 
 def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
-    """Return the contact status for each true area fraction, and the fractions without values above 1.
+    """Return a contact status for each true area fraction, and the area fractions with impossible values replaced.
 
     Half-space fractions above 1 become 1. In the asperity model, they become NaN. The fractions have the shape (...,
     3).
@@ -292,7 +292,7 @@ def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tupl
 
 
 def _remove_negative_means(means: Floats, is_removed: NDArray[np.bool_]) -> Floats:
-    """Replace means and limits by NaN where `is_removed` is true, and other negative means (round-off) by 0.
+    """Replace means and limits by NaN where `is_removed` is true; set other negative means (round-off) to 0.
 
     The last axis contains mean, lower limit and upper limit.
     """
@@ -387,7 +387,7 @@ class MemberDependence:
 
 
 def _compute_mean_and_interval(values: Floats, scan_mean: intervals.ScanPairMean | None) -> tuple[float, float, float]:
-    """Return the mean over pairs of scans with its interval limits, which are positive unless a value is negative."""
+    """Return the mean over pairs of scans and its interval limits, which are positive if no `values` are negative."""
     if scan_mean is None:
         finite_values = values[np.isfinite(values)]
         return float(finite_values.mean()) if finite_values.size else np.nan, np.nan, np.nan

@@ -122,7 +122,7 @@ def evaluate_members(
 
 
 def _get_study_inputs(result: MemberSums) -> dict[str, Floats]:
-    """Return loads (mN), mu0 and tau0 (GPa) of a study by name.
+    """Return the loads (mN), mu0 and tau0 (GPa) of a study, keyed by name.
 
     A study of generated surfaces has no loads.
     """
@@ -295,9 +295,10 @@ def _evaluate_piece(
 
 @dataclass(frozen=True, eq=False)
 class _MemberForces:
-    """Loads (mN) of members at the onset of sliding, with masks of reached loads and of loads below the first step.
+    """Normal and tangential loads (mN) of members at the onset of sliding, with two masks of the requested loads.
 
-    The arrays have the shape (..., sliding, direction, load, mu0, tau0), or a shape that broadcasts to it.
+    The masks mark loads that a member reaches, and loads below the first loading step. The arrays have the shape (...,
+    sliding, direction, load, mu0, tau0), or a shape that broadcasts to it.
     """
 
     normal: Floats
@@ -310,7 +311,7 @@ class _MemberForces:
     def at_elastic_loads(
         cls, contact_sums: Mapping[str, Floats], load_crossings: LoadCrossings, law: FrictionLaw
     ) -> _MemberForces:
-        """Compute normal and tangential loads from contact sums that are interpolated at elastic loads."""
+        """Compute normal and tangential loads of members at given elastic loads, from interpolated contact sums."""
         is_reached, is_below = (
             mask[..., None, None, :, None, None] for mask in (load_crossings.reached, load_crossings.below)
         )
@@ -348,7 +349,7 @@ def _grow_contacts(
     forces: _MemberForces, status: NDArray[Any], law: FrictionLaw, sums: Mapping[str, Floats], area_growth: Floats,
     fraction: Floats,
 ) -> tuple[_MemberForces, NDArray[Any]]:  # fmt: skip
-    """Return loads and statuses of members after shear has changed the contact area.
+    """Return loads and statuses of members after shear has enlarged or reduced the contact area.
 
     The friction force is also reduced if the softer body shears. `sums` are the contact sums at the loads, which mu0
     and tau0 multiply. `area_growth` and `fraction` come from `compute_onset_area_and_friction_factors`.
@@ -371,7 +372,10 @@ def _grow_contacts(
 def _compute_opposing_fraction(
     piece: xarray.Dataset, member_dims: tuple[str, ...], contact_sums: Mapping[str, Floats]
 ) -> dict[str, Any]:
-    """Return a dictionary with the load fraction on contacts that oppose the motion; empty for one sliding rule."""
+    """Return the fraction of the load on contacts that oppose the motion, as a dictionary with one variable.
+
+    The dictionary is empty unless the result has both sliding rules.
+    """
     rules = piece["sliding"].values.tolist() if "sliding" in piece.dims else []
     if not {"opposing", "all"} <= set(rules):
         return {}
@@ -444,7 +448,7 @@ _STIFFNESS_NAMES_BY_DISPLACEMENT = {
 def _interpolate_displacements_and_stiffnesses(
     piece: xarray.Dataset, member_dims: tuple[str, ...], load_crossings: LoadCrossings, variables: dict[str, Any]
 ) -> None:
-    """Interpolate displacements and stiffnesses consistently, so that stiffnesses are derivatives of displacements.
+    """Interpolate displacements and stiffnesses between loads, so that each stiffness is a displacement's derivative.
 
     Between two computed loads, a displacement is the cubic in the logarithm of the load that has the stored
     displacements and stiffnesses. The loading stiffness is its derivative. The unloading stiffness is a weighted
@@ -485,8 +489,7 @@ def _interpolate_displacements_and_stiffnesses(
 
 
 def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law: FrictionLaw) -> dict[str, Any]:
-    """Return for each member the pull-off force, 1 if it is only a lower bound (else 0), and friction at zero load."""
-    # `is_bound` is 1 if the pull-off force of a member is only a lower bound, and 0 otherwise.
+    """Return each member's pull-off force, a flag (1 if the force is a lower bound), and friction at zero load."""
     is_bound = (_to_float_array(piece.variables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
     zero_load_sums = {
         name: _to_float_array(piece.variables[name], (*member_dims, *MOTION_DIMENSION_NAMES), missing=True)[
@@ -495,7 +498,7 @@ def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law:
         for name in ZERO_LOAD_SUM_QUANTITIES
     }
     direction_axis = len(member_dims) + 1
-    # In the model, adhesive contacts do not grow under shear, so only the loss of contact area is applied.
+    # In the model, adhesive contacts lose area under shear but do not grow, so only the area loss is applied.
     tangential = law.load("unloaded", zero_load_sums, 1 - law.area_loss).mean(axis=direction_axis)
     pull_off = _to_float_array(piece.variables["pull_off"], member_dims)[..., None, None, None]
     tangential = np.where(abs(tangential) <= MAX_RELATIVE_ROUND_OFF * pull_off, 0.0, tangential)
@@ -518,7 +521,7 @@ def _determine_member_status(piece: xarray.Dataset, loads: Floats, forces: _Memb
     status = np.array(np.broadcast_to(status, forces.normal.shape), STATUS_DTYPE)
     step_dimension = find_step_dimension(piece)
     if "status" in piece:
-        # A missing coefficient gets the status of the next loading step, unless that status is "ok".
+        # If a load has no coefficient, its status is that of the next loading step, unless that status is "ok".
         status_codes = _to_float_array(
             piece.variables["status"], (*find_cell_dimensions(piece), "repetition", step_dimension)
         ).astype(int)
@@ -534,7 +537,7 @@ def _determine_member_status(piece: xarray.Dataset, loads: Floats, forces: _Memb
 def _find_load_crossings(
     piece: xarray.Dataset, loads: Floats, names: Sequence[str] = LOAD_SUM_NAMES
 ) -> tuple[dict[str, Floats], LoadCrossings]:
-    """Return the contact sums of members, and the crossings at which their load curves reach the requested loads."""
+    """Return the contact sums of members, and the points at which the load curves reach the requested loads."""
     step_dimension = find_step_dimension(piece)
     member_dims = (*find_cell_dimensions(piece), "repetition")
     # Variables of xarray are much faster to access than data arrays, because variables have no coordinates.
@@ -557,7 +560,7 @@ def _find_load_crossings(
 
 
 def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
-    """Return the coordinates of sliding rule and direction that the result lacks as dimensions."""
+    """Return coordinates for the sliding rule and the direction of motion, unless the result has them as dimensions."""
     coordinate_values = {
         "sliding": list(study.contact.sliding_rules()),
         "direction": list(study.contact.direction_angles()),
@@ -570,7 +573,7 @@ def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict
 
 
 def _replace_sums_by_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
-    """Add ratios of contact sums to the variables, and remove sums that serve only to compute ratios."""
+    """Replace contact sums that serve only as numerators or denominators by their ratios, such as the mean pressure."""
     dims, elastic = variables["normal_elastic"][:2]
     if nominal_area is not None and "pull_off" in variables:
         pull_off = variables["pull_off"]

@@ -52,7 +52,7 @@ class SlidingRuleCoefficient(Estimate):
     slopes: float = math.nan
     # True if the asperity model is invalid for contacts that carry more than half of the load.
     is_outside_asperity_model: bool = False
-    # Mean coefficient of both directions along an axis, with the interval of the mean. The key is the axis (degrees).
+    # Coefficient averaged over both directions along an axis, with its interval. The key is the axis (degrees).
     by_axis: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
     # Coefficient in each direction of motion, with the interval of the mean. The key is the direction (degrees).
     by_direction: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
@@ -79,7 +79,7 @@ def iterate_points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
 
 
 def read_number(point: xarray.Dataset, name: str) -> float:
-    """Return a number without an interval at a result point, such as the load (mN)."""
+    """Return a number that has no interval, such as the load (mN), at a result point."""
     # Reading the variable is much faster than reading an `xarray.DataArray`.
     return float(point.variables[name].values)
 
@@ -101,7 +101,7 @@ def get_roughness_exponent(study: Study, dimension: float) -> tuple[str, float]:
 
 
 def select_sliding_rule(table: Any, rule: str) -> Any:
-    """Select one sliding rule in an array.
+    """Return the part of an array for one sliding rule.
 
     An array without the dimension `sliding` is returned unchanged.
     """
@@ -126,14 +126,14 @@ def read_estimate(table: xarray.DataArray) -> Estimate:
 
 
 def _get_estimate_fields(name: Any, attributes: Mapping[Any, Any]) -> dict[str, Any]:
-    """Return name, unit and interval kind of an estimate, as stated in the attributes of its variable."""
+    """Return the name, the unit and the kind of interval for an estimate, from its variable's name and attributes."""
     return {
         "name": str(name), "unit": QUANTITIES[str(name)].unit, "kind": find_interval_kind(str(name), attributes),
     }  # fmt: skip
 
 
 def read_estimates_along(table: xarray.DataArray, dimension: str) -> dict[float, Estimate]:
-    """Return the estimates in an array along one dimension, keyed by the coordinate of this dimension."""
+    """Return the estimates along one dimension of an array, keyed by the coordinate along this dimension."""
     rows = table.variable.transpose(dimension, "statistic").values[:, find_statistic_indices(table)].astype(float)
     fields = _get_estimate_fields(table.name, table.attrs)
     return {
@@ -226,7 +226,7 @@ def list_rules_with_reported_first(study: Study) -> list[str]:
 
 
 def sort_sliding_rules(table: Any, study: Study) -> Any:
-    """Sort a table of measured bodies by sliding rule, with the reported rule first.
+    """Reorder the sliding rules in a dataset of measured bodies, so that the reported rule comes first.
 
     Other tables are returned unchanged.
     """

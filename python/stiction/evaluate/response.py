@@ -30,7 +30,7 @@ yielded fraction of the area. For hardnesses from half to double and E* within 2
 
 @dataclass(frozen=True, kw_only=True)
 class InputValues:
-    """Values or samples of a contact's inputs, such as hardness, mu0 and tau0.
+    """Inputs of a contact, such as hardness, mu0 and tau0: one number or an array of samples for each input.
 
     Each is a number or an array of samples.
 
@@ -99,7 +99,7 @@ class ClosureCurve:
     stiffness_exponents: Floats
 
     def exponents_at(self, load: float) -> tuple[float, float]:
-        """Return d ln(closure stiffness)/d ln(load) at a load (mN), for loading and for unloading."""
+        """Return d ln(closure stiffness)/d ln(load) at a load (mN): one exponent for loading, and one for unloading."""
         log_load, log_loads = np.log(load), np.log(self.loads)
         loading, unloading = (
             float(np.interp(log_load, log_loads, exponents)) for exponents in self.stiffness_exponents
@@ -107,7 +107,7 @@ class ClosureCurve:
         return loading, unloading
 
     def scale_stiffness(self, ratios: Floats) -> Floats:
-        """Return the closures (µm) for a closure stiffness that is multiplied by `ratios` at the computed loads.
+        """Return the closures (µm) after the closure stiffness at the computed loads is multiplied by `ratios`.
 
         The arrays have the shape (l, ...). The closure is the integral of 1/stiffness over the load.
         """
@@ -187,7 +187,7 @@ class ResponseValues:
     plastic_friction: Floats
 
     def select_sample(self, *indices: int) -> ResponseValues:
-        """Return the quantities for one sample of the inputs, selected by the indices of the sample."""
+        """Return the quantities for the sample of the inputs that has the given array indices."""
         shape = np.shape(self.friction_coefficient)
         return ResponseValues(**{name: np.broadcast_to(array, shape)[indices] for name, array in vars(self).items()})
 
@@ -267,7 +267,7 @@ class ContactResponseToInputs:
         )
 
     def stiffness_ratios(self, inputs: InputValues, area_before_shear: Floats) -> tuple[Floats, ...]:
-        """Return the loading, unloading and closure stiffness, each relative to the stiffness at the central inputs.
+        """Return the ratios of loading, unloading and closure stiffness at given inputs to those at the central inputs.
 
         If E*, heights and hardness change by a common factor, the stiffness follows by similarity from the stiffness at
         the load divided by this factor. Any other change of the hardness acts through the true area. The stiffness
@@ -291,7 +291,7 @@ class ContactResponseToInputs:
         )
 
     def friction_at_no_load_ratio(self, inputs: InputValues) -> Floats:
-        """Return friction at zero load for given inputs, divided by friction at zero load for the central inputs.
+        """Return the ratio of friction at zero load for given inputs to friction at zero load for the central inputs.
 
         The attraction is computed with the central inputs. The area changes as at the smallest computed load.
         """

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 # Minimum number of input samples, even for many displacements.
 MIN_INPUT_SAMPLES = 2**10
-# The product of the numbers of samples and displacements is limited, because it determines the required memory.
+# Maximum product of the numbers of input samples and of displacements, which determines the required memory.
 MAX_CURVE_VALUE_COUNT = 2**21
 CONTACT_INPUTS = ("hardness", "effective_modulus")
 """Names of the inputs that change the contacts themselves, so that the shear test is repeated at their limits."""
@@ -43,7 +43,7 @@ CURVE_NAMES = ("friction_coefficient", "shear_stress", "dilation")
 SHEAR_INTERVAL_ATTRIBUTES = ("peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa", "end")
 """Names of the dataset attributes of a shear test that have an interval."""
 
-# Arrays of quantities, by name. Each index of the first axis is a random sample of the inputs, or a strip of the faces.
+# Arrays of quantities by name. The first axis runs over random samples of the inputs, or over strips of the faces.
 _Samples = dict[str, Floats]
 
 
@@ -64,7 +64,10 @@ class ShearInputSamples:
 
 
 def _generate_sample_points(dimensions: int, num_displacements: int) -> Floats:
-    """Return points of a Sobol sequence, one per sample. The more displacements, the fewer samples are used."""
+    """Return points of a Sobol sequence, one point per sample of the inputs.
+
+    The number of samples decreases with the number of displacements.
+    """
     count = min(NUM_INPUT_SAMPLES, 2 ** int(math.log2(MAX_CURVE_VALUE_COUNT / num_displacements)))
     return generate_sobol_points(dimensions, max(count, MIN_INPUT_SAMPLES), seed=2016)
 
@@ -111,7 +114,7 @@ def draw_shear_samples(
 
 @dataclass(frozen=True)
 class ContactVariation:
-    """Lower or upper limit of a contact input, such as the hardness, relative to the central value of the input."""
+    """Ratio by which a contact input, such as the hardness, is varied from its central value to one of its limits."""
 
     name: str
     ratio: float
@@ -123,7 +126,7 @@ class ContactVariation:
 
 
 def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariation]:
-    """Return two variations of the shear test, at the lower and the upper limit, per uncertain contact input."""
+    """Return the variations of a shear test: each uncertain contact input at its lower limit and at its upper limit."""
     if not samples:
         return []
     return [
@@ -135,7 +138,7 @@ def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariati
 
 
 class _SampledCurves:
-    """Curves of a shear test for samples of the inputs, interpolated from tests at central inputs and input limits.
+    """Curves of a shear test for each sample of the inputs, interpolated between tests at central and limiting inputs.
 
     The curves are linear in the logarithm of the input. The effects of two inputs are added. `has_no_solution` is True
     for samples near a limit at which the contact has no solution, with the shape (samples, displacements). A sample is
@@ -222,13 +225,13 @@ def _summarize_samples(test: xr.Dataset, coefficient: Floats, stress: Floats, di
 
 @dataclass(frozen=True)
 class _StripMeanErrors:
-    """Standard error of each quantity's mean over strips, and the number of strips with a solution."""
+    """Standard error of the mean over strips of each quantity, and number of strips with a solution."""
 
     errors: _Samples
     counts: _Samples
 
     def error_quantiles(self, name: str, shape: tuple[int, ...], probabilities: Floats) -> Floats:
-        """Return quantiles of the error of a mean over strips, one quantile per probability along the first axis.
+        """Return quantiles of the error of the mean over strips, with one probability per element of the first axis.
 
         The error has Student's t distribution. Quantiles are NaN if fewer than two strips have a solution.
         """
@@ -311,7 +314,7 @@ def add_shear_intervals(
 
 
 def _open_lower_limits(test: xr.Dataset, limits: Mapping[str, Floats], varied_tests: Sequence[xr.Dataset]) -> None:
-    """Set lower limits of friction to 0, in place, where a test with an input at its limit has no solution.
+    """Set lower limits of friction to 0 in place, where a shear test with an input at its limit has no solution.
 
     If the faces lock at the limit of the input, lower limits are unchanged, because locking only raises the friction.
     """
@@ -340,7 +343,7 @@ def _compute_interval_limits(values: Floats, coverage: float) -> Floats:
 
 
 def _extend_to_value(name: str, value: Floats, limits: Sequence[Floats]) -> Floats:
-    """Widen limits to enclose the computed value, and replace negative limits by 0, except limits of the dilation."""
+    """Widen interval limits to include the computed value, and set negative limits to 0, except for the dilation."""
     first_limits, *other_limits = limits
     extended_limits = extend_intervals(first_limits, *other_limits, np.stack([value, value], axis=-1))
     return extended_limits if "dilation" in name else np.maximum(extended_limits, 0.0)
@@ -355,7 +358,7 @@ def _add_interval_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.D
             continue
         lower, upper = map(float, limits[name])
         if name == "peak_dilation_angle_deg" and lower == upper:
-            # All peaks are at one computed displacement, but the true peaks may be between two displacements.
+            # All samples peak at the same displacement, but the true peaks may lie between two displacements.
             continue
         if name == "peak_displacement_um":
             index = int(np.nanargmax(test["friction_coefficient"].values))
@@ -370,7 +373,7 @@ def _add_interval_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.D
             test[name].attrs | {"long_name": f"95 % interval of the {test[name].attrs['long_name']}"},
         )
         for name in (*CURVE_NAMES, *CLOSURE_NAMES)
-        # A curve that neither inputs nor strips change has no interval; its uncertainty is unknown, and not 0.
+        # A curve that is the same for all inputs and strips has no interval: its uncertainty is unknown, and not 0.
         if not (limits[name][..., 0] == limits[name][..., 1]).all()
     }  # fmt: skip
     return test.assign_coords(end=["lower", "upper"]).assign(variables).assign_attrs(attributes)
