@@ -152,7 +152,7 @@ DERIVED_ELASTICITY_KEYS = ("effective_modulus", "compliance_share")
 
 
 def _repeat_single_value(value: Any) -> Any:
-    """Convert one value for both bodies to a pair (upper, lower) of equal values, and leave a pair unchanged."""
+    """Return a pair (upper, lower) of values from one value for both bodies, or from a pair."""
     values = tuple(value) if isinstance(value, (list, tuple)) else (value,)
     return 2 * values if len(values) == 1 else values
 
@@ -163,7 +163,7 @@ PoissonRatios = Annotated[tuple[PoissonRatioEntry, PoissonRatioEntry], _repeat_f
 
 
 class OnsetSettings(SettingsSection):
-    """Section with the mu0 and tau0 for which the onset of sliding of generated surfaces is computed.
+    """Section `onset` with mu0 and tau0 for the onset of sliding of generated surfaces.
 
     A result stores the onset of sliding for these parameters only.
     """
@@ -211,7 +211,7 @@ class CommonContactSettings(SettingsSectionVariant):
         raise NotImplementedError
 
     def direction_angles(self) -> Floats:
-        """Return the directions of motion of the upper body in degrees from +x towards +y."""
+        """Return the directions of motion of the upper body as angles (degrees) from +x towards +y."""
         return np.array([direction_to_degrees(direction) for direction in self.directions_of_motion()])
 
     def motion_coordinates(self) -> dict[str, list[Any]]:
@@ -302,7 +302,7 @@ class ContactSettingsForMeasuredSurfaces(CommonContactSettings):
     @model_validator(mode="before")
     @classmethod
     def _derive_effective_modulus(cls, data: Any) -> Any:
-        """Compute E*, and the lower body's fraction of the compliance, if the section contains Young's moduli."""
+        """Compute E* and the lower body's compliance fraction from Young's moduli, if the section contains them."""
         if not isinstance(data, Mapping) or data.get("young") is None:
             return data
         for key in DERIVED_ELASTICITY_KEYS:
@@ -504,7 +504,7 @@ class AsperityModelSettings(CommonContactSettings):
         return {}
 
     def contact_model(self, sliding: SlidingRule | None = None) -> ContactModel:
-        """Return the contact model of the section for one sliding rule, by default the first rule of the section."""
+        """Return the contact model of the section for one sliding rule, by default for the section's first rule."""
         return ContactModel(
             effective_modulus=float(self.effective_modulus),
             law=self.law if isinstance(self.law, str) else self.law.law(), detection=self.detection,
@@ -647,7 +647,7 @@ SHARED_CONTACT_SETTINGS_CLASSES: tuple[type[CommonContactSettings], ...] = (
 def select_contact_settings_class(
     surfaces: type[GeneratedSurfaceSettings | MeasuredSurfaceSettings], section: Mapping[str, Any]
 ) -> type[ContactSettings]:
-    """Return the class of a section `[contact]`, given the kind of surfaces and the key `mechanics` of the section."""
+    """Return the settings class for a section `[contact]`, from the kind of surfaces and the key `mechanics`."""
     settings_classes = CONTACT_SETTINGS_CLASSES[surfaces.bodies]
     return settings_classes[select_key_value("mechanics", section, settings_classes)]
 
@@ -693,7 +693,7 @@ def parse_contact_settings(
 
 
 def _add_loads_outside_range(given_loads: Floats, margin: float, num_loads: int) -> Floats:
-    """Add `num_loads` loads (mN) in geometric progression, which extend below and above the given loads.
+    """Add a geometric series of `num_loads` loads (mN), from below the smallest to above the largest load.
 
     The progression begins below the smallest given load and ends above the largest, each by the factor `margin`.
     """
@@ -717,7 +717,7 @@ def _insert_intermediate_loads(given_loads: Floats) -> Floats:
 def choose_load_steps(
     loads: ArrayLike, *, press: str, mechanics: str, max_load: float | None = None, num_smaller: int = 1
 ) -> Floats:
-    """Return the loads (mN) at which a measured pair is solved: the given loads, and loads around and between them.
+    """Return the loads (mN) at which a measured pair is computed: the given loads, and loads around and between them.
 
     All loads are below `max_load` (mN). For height maps, `num_smaller` loads are below the given loads, and the ratio
     of successive loads is at most `MAX_AREAL_LOAD_RATIO`.

@@ -42,7 +42,7 @@ class PairElasticity:
     materials: tuple[str, str] | None = None
     # Poisson's ratios of the upper and the lower body.
     poisson_ratios: tuple[float, float] | None = None
-    # Note that a material was given under an alternative name.
+    # Message that a material was given under an alternative name.
     alias_note: str = ""
 
 
@@ -50,7 +50,7 @@ def determine_elasticity(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
 ) -> PairElasticity:  # fmt: skip
-    """Return the elastic constants of a pair from E*, from Young's moduli with Poisson's ratios, or from materials.
+    """Return the elastic constants of a pair, given E*, or Young's moduli with Poisson's ratios, or two materials.
 
     Raises a `ValueError` if none or several of these alternatives are given, or if a value is invalid.
     """
@@ -162,7 +162,7 @@ def _combine_materials(upper: str, lower: str) -> PairElasticity:
 
 
 def _format_alias_note(name_pairs: Iterable[tuple[str, str]]) -> str:
-    """Return a note about alternative names of materials, as in '"100Cr6" is taken as bearing steel'."""
+    """Return a note on material names that are aliases, as in '"100Cr6" is taken as bearing steel'."""
     aliases = [
         f'"{alternative}"{{}} as {name}'
         for alternative, name in name_pairs

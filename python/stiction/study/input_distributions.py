@@ -29,7 +29,7 @@ InputDistribution = Literal["exact", "normal", "log-normal", "uniform"]
 # Half width of the 95 % interval of a normal distribution, in standard deviations.
 Z_95 = 1.959963984540054
 # Number of random samples of each input.
-# With fewer samples, the budget fractions of two equally uncertain inputs would differ by more than 0.01.
+# With fewer samples, the fractions of two equally uncertain inputs in an uncertainty budget could differ by over 0.01.
 NUM_INPUT_SAMPLES = 2**14
 # Smallest accepted standard uncertainty of an input, relative to its central value.
 MIN_RELATIVE_UNCERTAINTY = 1e-9
@@ -77,7 +77,7 @@ SLIP_LINE_TEXT = "slip-line"
 # Smallest and largest accepted ratio of hardness to shear strength in slip-line theory.
 MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5
 # Smallest and largest accepted exponent m of the area of yielding contacts.
-# Exponents of fine asperities are far above the lower limit. Exponents of surface steps are below the upper limit.
+# For fine asperities, m is far above the lower limit. For surfaces with steps, m is below the upper limit.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
 # Largest fraction of the true area that contacts may lose when they are sheared.
 MAX_AREA_LOSS = 0.9
@@ -98,7 +98,7 @@ class UncertainInput:
     distribution: InputDistribution
     # Text of an input as the user wrote it.
     text: str
-    # Largest number that random samples of an input may have.
+    # Largest value that random samples of an input may have.
     maximum: float = math.inf
     # True if the input is the ratio of hardness to shear strength, False if it is α of junction growth.
     uses_slip_lines: bool = False
@@ -240,7 +240,7 @@ def _parse_distribution(name: str, text: str, kind: InputKind) -> UncertainInput
 
 
 def _convert_rockwell_hardness(low: float, high: float, text: str) -> UncertainInput:
-    """Return the distribution of a Rockwell hardness (GPa), widened by the error of the conversion from HRC."""
+    """Convert a range of hardness from HRC to a distribution (GPa), widened by the error of the conversion."""
     half_width = math.hypot(0.5 * math.log(high / low), ROCKWELL_CONVERSION_ERROR)
     value = math.sqrt(low * high)
     return UncertainInput(value, value * math.exp(-half_width), value * math.exp(half_width), "log-normal", text)
@@ -320,7 +320,7 @@ SOBOL_GENERATORS: tuple[tuple[int, tuple[int, ...]], ...] = (
 
 
 def _compute_sobol_direction_bits(polynomial: int, initial_numbers: Sequence[int]) -> NDArray[np.uint32]:
-    """Compute the direction numbers of one dimension of a Sobol sequence, as bits (most significant first)."""
+    """Compute the direction numbers of one dimension of a Sobol sequence as arrays of bits."""
     direction_numbers, degree = list(initial_numbers), polynomial.bit_length() - 1
     while len(direction_numbers) < SOBOL_BITS:
         direction_number = direction_numbers[-degree]
@@ -368,7 +368,7 @@ def generate_sobol_points(dimensions: int, count: int = NUM_INPUT_SAMPLES, *, se
 
 
 def generate_stratified_points(dimensions: int) -> Floats:
-    """Generate `NUM_INPUT_SAMPLES` points of a scrambled Sobol sequence in the unit cube, always the same points."""
+    """Generate `NUM_INPUT_SAMPLES` points of a scrambled Sobol sequence in the unit cube, with a constant seed."""
     return generate_sobol_points(dimensions, NUM_INPUT_SAMPLES, seed=2016)
 
 
@@ -471,7 +471,7 @@ class InputValue(Quantity):
         return float(self), self.estimate, self.text
 
     def __eq__(self, other: object) -> bool:
-        """Compare the central values of two inputs and, unless both are exact, the distributions."""
+        """Return whether two inputs have equal central values and, unless both are exact, equal distributions."""
         if isinstance(other, InputValue) and not (self.is_exact and other.is_exact):
             return float(self) == float(other) and self.estimate == other.estimate
         return float(self) == other
@@ -479,7 +479,7 @@ class InputValue(Quantity):
     __hash__ = Quantity.__hash__
 
     def __bool__(self) -> bool:
-        """Return False only for an exact 0. An uncertain input counts as True."""
+        """Return False for an exact input of 0, and True for any other input."""
         return float(self) != 0 or not self.is_exact
 
     @property

@@ -130,7 +130,7 @@ class StrengthFit:
     sliding: SlidingRule
     # Chi-squared of the best fit, which has no meaning if the errors of the tests were not given.
     chi_squared: float
-    # Degrees of freedom: number of tests that slid, minus number of fitted parameters.
+    # Degrees of freedom of the fit: number of tests that slid, minus number of fitted parameters.
     freedom: int
     # Probability of a larger chi-squared by chance, or NaN without given errors or without degrees of freedom.
     probability: float
@@ -149,17 +149,17 @@ class StrengthFit:
     # Area per load A/F (1/GPa) at the onset of sliding in the tests, or NaN if unknown.
     area_per_load: Floats
     # Normal scores of the uncertain inputs and of the area errors of the tests, with one score for each sample of mu0.
-    # The functions `shared_input_name` and `area_error_name` return the keys.
+    # The functions `shared_input_name` and `area_error_name` return the keys of this dict.
     # A pair that shares an uncertain input with the tests uses the same scores of this input.
     scores: Mapping[str, Floats] = field(default_factory=dict)
     # Fits to the same tests with mu0 = 0 or tau0 = 0. The key is the name of the coefficient that is 0.
-    # A fit is missing if the tests exclude 0, or if only the other coefficient was fitted.
+    # A fit is missing if the tests exclude 0 for this coefficient, or if only the other coefficient was fitted.
     fits_at_bounds: Mapping[str, StrengthFit] = field(default_factory=dict)
     # True area per load A/F (1/GPa) of each test; empty for a published interface or an interface from a file.
     area_per_load_of_tests: Floats = field(default_factory=lambda: np.empty(0))
 
     def select_samples(self, indices: NDArray[np.intp]) -> StrengthFit:
-        """Return the same fit with the joint samples that have the given indices; an index may be repeated.
+        """Return a copy of the fit with the joint samples at the given indices; an index may occur several times.
 
         The fits at bounds are kept unchanged.
         """
@@ -312,7 +312,7 @@ class InterfaceStrength:
         return "\n".join(["Interface", *rows, *(f"  {key:<14}  {text}" for key, text in self.about.items())])
 
     def with_caveats(self, entry: str, texts: Sequence[str]) -> Self:
-        """Return the same interface with further caveats in the entry `FAULTS_HEADER_ENTRY` or `CAUTIONS_HEADER_ENTRY`.
+        """Return a copy of the interface with further caveats in the header entry `entry` (faults or cautions).
 
         Interface files contain the caveats, so that they also apply to the coefficients of pairs with this interface.
         """
@@ -326,7 +326,7 @@ class InterfaceStrength:
 
     @property
     def tested_area_per_load(self) -> ValueWithLimits:
-        """Mean true area per load A/F (1/GPa) of the tests: median and 95 % interval of the joint samples.
+        """True area per load A/F (1/GPa), averaged over the tests: median and 95 % interval of the joint samples.
 
         Without samples, as in older files, the value is `area_per_load`, and the limits are NaN.
         """
@@ -366,12 +366,12 @@ class InterfaceStrength:
 
     @cached_property
     def strength_intervals(self) -> tuple[ValueWithLimits, ValueWithLimits]:
-        """Medians and 95 % intervals of mu0 and tau0 (GPa), even if the tests do not separate mu0 from tau0."""
+        """Median and 95 % interval of mu0 and of tau0 (GPa), even if the tests do not separate mu0 from tau0."""
         return self.interval_of(lambda mu0, tau0: mu0), self.interval_of(lambda mu0, tau0: tau0)
 
     @cached_property
     def sampled_fits(self) -> tuple[tuple[StrengthFit, float], ...]:
-        """Fits of the interface, each with the coverage of its interval.
+        """Fits of the interface to the tests, each with the coverage (probability) of its interval.
 
         Intervals of the interface cover the intervals of all these fits. The coverage is 95 % for the first fit. For
         the fits with mu0 = 0 and with tau0 = 0, the coverage decreases with the probability of these values; fits that
@@ -385,17 +385,17 @@ class InterfaceStrength:
 
     @property
     def possible_zeros(self) -> tuple[str, ...]:
-        """Names of the parameters that the tests allow to be 0 (mu0, tau0 or both); empty if only one was fitted."""
+        """Names of the parameters (mu0 or tau0) that the tests allow to be 0; empty if only one was fitted."""
         fit = self.fits[0]
         return tuple(name for name in fit.fits_at_bounds if compute_coverage_at_bound(getattr(fit, name)) > 0)
 
     @property
     def samples_at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
-        """Samples (mu0, tau0 in GPa) of the fits with mu0 = 0 and with tau0 = 0, unless the tests exclude 0."""
+        """Samples of (mu0, tau0 in GPa) from the fits with mu0 = 0 and with tau0 = 0 that the tests do not exclude."""
         return tuple((fit.mu0, fit.tau0) for fit, _ in self.sampled_fits[1:])
 
     def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> ValueWithLimits:
-        """Return the median and the 95 % interval of a coefficient, given as a function of mu0 and tau0 (GPa).
+        """Return the median and the 95 % interval of a quantity that is a function of mu0 and tau0 (GPa).
 
         The interval also covers the coefficients for mu0 = 0 and for tau0 = 0, unless the tests exclude these values.
         """
@@ -411,7 +411,7 @@ class InterfaceStrength:
 
     @property
     def excluded(self) -> tuple[SlidingRule, ...]:
-        """Sliding rules that the tests exclude, if the tests agree with another sliding rule."""
+        """Sliding rules that contradict the tests; empty unless the tests agree with another sliding rule."""
         accepted_rules = [fit.sliding for fit in self.fits if fit.probability > ERROR_SCALING_P_VALUE_LIMIT]
         return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUSION_P_VALUE_LIMIT and accepted_rules)
 
@@ -451,7 +451,7 @@ class InterfaceStrength:
 
 
 def compute_coverage_at_bound(values: Floats) -> float:
-    """Return the coverage of the interval for a fit with one parameter fixed at 0, from samples of the free parameter.
+    """Return the coverage of the interval for a fit with mu0 or tau0 fixed at 0, from samples of the free parameter.
 
     A normal density falls to exp(-z²/2) of its maximum at z standard deviations. At 0, where the density falls to
     exp(-d²/2), the part of the 95 % region with z² < 1.96² - d² remains. This probability is 95 % if the density at 0
@@ -476,7 +476,7 @@ def compute_coverage_at_bound(values: Floats) -> float:
 
 
 def find_tail_probabilities(coverage: float = INTERVAL_COVERAGE) -> Floats:
-    """Return the cumulative probabilities of both limits of an equal-tailed interval with a given coverage."""
+    """Return the cumulative probabilities at the two limits of an equal-tailed interval with the given coverage."""
     tail = round((1 - coverage) / 2, 12)
     return np.array([tail, 1 - tail])
 
@@ -498,7 +498,7 @@ def compute_credible_interval(
 
 
 def cover_credible_intervals(samples: Sequence[tuple[Floats, float]]) -> ValueWithLimits:
-    """Return the median of the first array of samples, and an interval that contains the intervals of all arrays.
+    """Return the median of the first array of samples, and an interval that includes the interval of each array.
 
     Each array is given with the probability of its interval.
     """
@@ -602,7 +602,7 @@ def _build_strength_fit(sliding: Any, mu0: Any, tau0: Any, *other_samples: Any) 
 
 
 def _estimate_fits_at_bounds(fit: StrengthFit) -> dict[str, StrengthFit]:
-    """Estimate the fits with mu0 = 0 and with tau0 = 0 for an interface file that does not contain both fits.
+    """Estimate fits with mu0 = 0 and with tau0 = 0, for an interface file from which these fits are missing.
 
     The other coefficient is shifted so that the sum mu0 + tau0 A/F at the A/F of the tests does not change.
     """
@@ -615,7 +615,7 @@ def _estimate_fits_at_bounds(fit: StrengthFit) -> dict[str, StrengthFit]:
 
 
 def _compute_normal_scores_of_old_interface_file(fit: StrengthFit, header: Mapping[str, str]) -> dict[str, Floats]:
-    """Return the normal scores of hardness and junction growth that an old interface file does not contain."""
+    """Compute normal scores of hardness and junction growth for an old interface file, which contains no scores."""
     from scipy.special import ndtr
 
     columns = {

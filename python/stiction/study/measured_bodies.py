@@ -112,7 +112,7 @@ def _parse_crop(value: object) -> tuple[Quantity, ...] | None:
 
 
 def _build_one_or_list_validator(read: Callable[[object], Any], max_count: int = 2) -> PlainValidator:
-    """Build a pydantic validator that accepts None, one value, or a list of 2 to `max_count` values."""
+    """Build a pydantic validator for None, a single value, or a list of 2 to `max_count` values."""
 
     def parse_one_or_list(value: object) -> Any:
         if not isinstance(value, (list, tuple)):
@@ -365,7 +365,7 @@ class MeasuredBodySettings(SettingsSection):
         return [body for scan in self.scans if isinstance(body := scan.read(), (Profile, Surface))]
 
     def select_cut_off_of_scan(self, wavelength: float) -> float:
-        """Return the cutoff (µm) for this scan: the pair's cutoff, or the maximum cutoff of the scan if smaller."""
+        """Return the cutoff (µm) of this scan: the pair's cutoff or, if smaller, the maximum cutoff of the scan."""
         return wavelength if self.max_cut_off is None else min(wavelength, float(self.max_cut_off))
 
     def find_interpolated_fraction_and_gap(self) -> Floats:
@@ -472,7 +472,7 @@ def _compute_checksum(body: MeasuredBody) -> str:
 
 @dataclass(frozen=True)
 class _ScanFile:
-    """Key under which the content of a scan file is cached: file name, checksum and reading options.
+    """Cache key for the content of a scan file: the file's settings with name, checksum and reading options.
 
     The path of the file is not compared.
     """

@@ -94,14 +94,14 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
         return float(self.cell_coordinates()["cut_off"][0])
 
     def get_scan_cut_offs(self, wavelength: float) -> ScanCutoffs:
-        """Return the cutoff (µm) of each scan of the upper and of the lower body, given the pair's cutoff (0: none)."""
+        """Return the cutoffs (µm) of all upper scans and of all lower scans, from the pair's cutoff (0 for none)."""
         upper, lower = (
             tuple(scan.select_cut_off_of_scan(wavelength) for scan in getattr(self, side).scans) for side in SIDES
         )
         return upper, lower
 
     def with_changed_files(self, change: Callable[[MeasuredBodySettings, str], MeasuredBodySettings]) -> Self:
-        """Return a copy of the section with changed bodies: `change(body, side)` returns the new body of a side."""
+        """Return a copy of the section in which `change(body, side)` replaces the upper and the lower body."""
         return self.model_copy(update={side: change(getattr(self, side), side) for side in SIDES})
 
     @property
@@ -126,7 +126,7 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> MemberSource:
-        """Return a source of members, cut from two scans that are low-pass filtered at cutoffs (µm, 0 for no filter).
+        """Return a source of members that are cut from two scans; the scans are low-pass filtered at `cut_offs` (µm).
 
         Raises a `ValueError` if the scans form no members.
         """

@@ -31,7 +31,7 @@ from stiction.surfaces.surface import Surface
 
 @dataclass(frozen=True)
 class EnsembleMember:
-    """Member of a study: pair of bodies, relative shift (µm), line number, and a flag for surrogates."""
+    """Member of a study: two bodies, their relative shift (µm), the line number, and whether they are surrogates."""
 
     pair: BodyPair
     x: float
@@ -84,7 +84,10 @@ of array axes.
 
 @dataclass(frozen=True)
 class BodyAttributes:
-    """Attributes and nominal area of the measured bodies in a result; empty for generated bodies."""
+    """Nominal area of the measured bodies in a result, and attributes such as grid and history.
+
+    Both are empty for generated bodies.
+    """
 
     nominal_area: float | None = None  # µm², of one member
     # Attributes of a result by name, as declared in `BODY_ATTRIBUTE_SPECS`.
@@ -127,7 +130,7 @@ class LineMemberSource:
     positions: tuple[float, ...] | None = None
 
     def member(self, index: int) -> EnsembleMember:
-        """Return the member with a given index: the slider, and the piece of the counterface below the slider."""
+        """Return the member with a given index: the slider, and the part of the counterface under the slider."""
         pairs, num_offsets = self.pairs, self.offsets if self.positions is None else len(self.positions)
         line, offset_index = divmod(index, num_offsets) if pairs.has_several_pairs else (0, index)
         max_pair_count = pairs.max_pair_count()
@@ -160,7 +163,10 @@ class LineMemberSource:
 
     @cached_property
     def _get_pair(self) -> Callable[[int], tuple[Profile, Profile]]:
-        """Function that returns the pair of lines with a given number, cached because several members use each pair."""
+        """Function that returns the pair of lines with a given number, from a cache.
+
+        Several members use each pair.
+        """
         return functools.lru_cache(MAX_CACHED_LINE_PAIRS)(self.pairs.pair)
 
     def _member_at(self, slider: Profile, counterface: Profile, steps: int, line: int) -> EnsembleMember:
@@ -180,7 +186,7 @@ class LineMemberSource:
 def _find_properties_shared_by_line_members(
     slider: Profile, counterface: Profile, used_fraction: float, scans: tuple[Any, Any]
 ) -> SharedMemberProperties:
-    """Return the profiles, the area and the grid that are equal for all members of a study of profiles.
+    """Return the profiles, the area and the grid that all members of a study of profiles have in common.
 
     `used_fraction` is the fraction of the upper scan that the slider covers.
     """
@@ -214,7 +220,7 @@ class MapMemberSource:
 
     pairs: MapPairs | IsotropicSurfacePairs | SurfacePairsFromSpectra
     scans: tuple[MeasuredBody, MeasuredBody]
-    # Number of pairs of surrogates, which are the first members. None if all members are surrogates.
+    # Number of pairs of surrogates. These pairs are the first members. None if all members are surrogates.
     surrogates: int | None = None
 
     def member(self, index: int) -> EnsembleMember:

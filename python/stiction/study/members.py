@@ -55,7 +55,7 @@ def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
 
 
 def _get_weierstrass_arguments(surfaces: Any) -> dict[str, Any]:
-    """Return the parameters of Eq. 1 for the profiles of a study: length scale, γ, definition of D, band limit."""
+    """Return the parameters of Eq. 1 for a study's profiles: length scale, γ, definition of D, and band limit."""
     return {
         "length_scale": float(surfaces.length_scale), "gamma": surfaces.gamma, "convention": surfaces.convention,
         "band_limit": None if surfaces.band_limit == "none" else surfaces.band_limit,
@@ -63,7 +63,7 @@ def _get_weierstrass_arguments(surfaces: Any) -> dict[str, Any]:
 
 
 def fill_profile_family(study: Study, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> Floats:
-    """Fill the rows of the array `heights` with profiles of one body, one profile per fractal dimension.
+    """Write profiles of one body to the rows of the array `heights`, one profile per fractal dimension.
 
     The heights are not scaled to an amplitude. Returns an array (k, 3): mean, minimum and maximum of each profile.
     """
@@ -221,7 +221,7 @@ class PreparedBodies:
         self._locks: dict[tuple[float, int, int], threading.Lock] = {}
 
     def members(self, wavelength: float, upper: int = 0, lower: int = 0) -> MemberSource:
-        """Return an object that creates the members (surface pairs) from two scans, low-pass filtered at a cutoff (µm).
+        """Return the source of members that are cut from two scans, low-pass filtered at a cutoff (µm).
 
         A cutoff of 0 stands for no filter. If several threads need the same members, one thread filters the scans, and
         the others wait. Raises a `ValueError` if the scans form no members.
@@ -240,8 +240,7 @@ class PreparedBodies:
     def member(self, index: int, wavelength: float) -> EnsembleMember:
         """Return the member with a given index, from scans low-pass filtered at a cutoff (µm; 0 for no filter)."""
         surfaces = self._surfaces
-        # Members are numbered from 0 in each pair of scans. The exception are surrogates, whose seed is the number in
-        # the study.
+        # Members are numbered from 0 in each pair of scans, except surrogates, whose seed is the number in the study.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
         index_within_pair = index if has_surrogates else index // math.prod(surfaces.scan_counts)
         return self.members(wavelength, *surfaces.scan_indices_of_members(index)).member(index_within_pair)
@@ -273,7 +272,7 @@ class PreparedBodies:
 
     @cached_property
     def _pressed_bodies(self) -> list[Profile | Surface]:
-        """Filtered scan of each body, from which members are cut; empty if the study has a gap or spectra instead."""
+        """Filtered scans from which members are cut, one per body; empty if the study has a gap or spectra instead."""
         pairs = getattr(self.members(self._surfaces.reported_cut_off()), "pairs", None)
         filtered_scans = [getattr(pairs, side, None) for side in SIDES]
         bodies = [body for body in filtered_scans if isinstance(body, Profile | Surface)]
@@ -281,7 +280,10 @@ class PreparedBodies:
 
     @cached_property
     def _lay_attributes(self) -> dict[str, Any]:
-        """Attributes with each map's ratio of rms slopes across and along its lay; {} unless both maps have a lay."""
+        """Lay ratio of each map (rms slope across the lay over rms slope along it), as attributes.
+
+        Empty unless both maps have a lay.
+        """
         maps = [body for body in self._pressed_bodies if isinstance(body, Surface)]
         if self._surfaces.press != "areas" or len(maps) < len(SIDES):
             return {}
@@ -306,11 +308,11 @@ class PreparedBodies:
         }
 
     def _find_measured_fraction(self) -> float:
-        """Return the fraction of the area that was measured on both bodies, averaged over the first few pairs."""
+        """Return the fraction of the area that was measured on both bodies, as a mean over the first few members."""
         if all(getattr(scan, "missing", None) is None for scans in self._scans_by_side for scan in scans):
             return 1.0
         measured_fractions = []
-        # A study may have fewer than `NUM_AVERAGED_MEMBERS` members.
+        # The loop ends with an error if the study has fewer than `NUM_AVERAGED_MEMBERS` members.
         with contextlib.suppress(ValueError, IndexError):
             for index in range(NUM_AVERAGED_MEMBERS):
                 missing = combine_missing_masks(*self.member(index, self._surfaces.reported_cut_off()).pair)
@@ -357,7 +359,7 @@ def _read_cached_bodies(surfaces: MeasuredSurfaceSettings, seed: int, _: object)
 
 
 def check_scans_provide_all_members(study: Study) -> None:
-    """Raise a `ValueError` if the scans of a study provide fewer members than the study has repetitions."""
+    """Raise a `ValueError` if a study requests more members (key `repetitions`) than its scans provide."""
     if study.is_measured:
         cutoff = float(study.surfaces.cell_coordinates()["cut_off"][0])
         read_measured_bodies(study).member(study.ensemble.repetitions - 1, cutoff)

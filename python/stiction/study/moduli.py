@@ -32,7 +32,7 @@ docs/howto/elastomers.md lists published cases.
 
 
 def find_default_area_loss(effective_modulus: float) -> str | None:
-    """Return, as text, the default range of the fraction of the true area that rubber loses under shear.
+    """Return the default range, as text, of the fraction of its true area that a rubber contact loses under shear.
 
     Returns None if E* (GPa) is too large for rubber.
     """

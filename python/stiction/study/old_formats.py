@@ -181,7 +181,7 @@ def _parse_input_or_none(name: str, entry: Any) -> InputValue | None:
 
 
 def _merge_value_and_range(key: str, central: Any, text: Any) -> Any:
-    """Combine the central value and the range of an input into one text, such as "0.3 (0.2..0.4)".
+    """Combine the central value and the range of an input in one text, such as "0.3 (0.2..0.4)".
 
     Raises a `_ContradictionError` if the central value is outside the range.
     """

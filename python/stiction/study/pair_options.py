@@ -95,7 +95,7 @@ def _parse_degrees(value: object) -> float:
 
 
 def _parse_positions(value: object) -> object:
-    """Parse slider positions, given as lengths or as (x, y) pairs of lengths, to a flat list."""
+    """Convert slider positions, given as lengths or as (x, y) pairs of lengths, to a flat list of lengths."""
     value = unwrap_scalar(value)
     items = value.tolist() if isinstance(value, np.ndarray) else value
     if not isinstance(items, (list, tuple)):
@@ -177,7 +177,7 @@ class PairProperties(Protocol):
 
     @property
     def press_mode(self) -> str:
-        """Kind of bodies that are pressed: "areas" (maps), "lines" (profiles or lines of maps) or "surrogates"."""
+        """Kind of bodies that are pressed: "areas" for maps, "lines" for profiles or lines of maps, or "surrogates"."""
 
     @property
     def contact_models(self) -> tuple[Mechanics, ...]:
@@ -211,7 +211,7 @@ def select_body_value(name: str, values: Any, index: int) -> Any:
 
 
 def make_condition(message: str) -> Callable[[Callable[[PairProperties], bool]], OptionCondition]:
-    """Return a decorator that converts a yes/no function of a pair to an option condition with an error message."""
+    """Return a decorator that makes an option condition, with an error message, from a function that tests a pair."""
 
     def decorate(is_met: Callable[[PairProperties], bool]) -> OptionCondition:
         return OptionCondition(is_met, message)
@@ -245,13 +245,13 @@ def presses_profiles_as_lines(pair: PairProperties) -> bool:
 
 @make_condition("generates surfaces from a spectrum and needs scans without masked points")
 def has_complete_scans_for_surrogates(pair: PairProperties) -> bool:
-    """Return False if surrogates are requested and a scan has masked points, and True otherwise."""
+    """Return False if surrogates are requested, but a scan has masked points; return True otherwise."""
     return not (pair.has_masked_points and pair.has_surrogates)
 
 
 @make_condition("uses the asperity model and needs scans without masked points")
 def has_complete_scans_for_asperities(pair: PairProperties) -> bool:
-    """Return False if the asperity model is requested and a scan has masked points, and True otherwise."""
+    """Return False if the asperity model is requested, but a scan has masked points; return True otherwise."""
     return not pair.has_masked_points or "asperities" not in pair.contact_models
 
 
@@ -299,7 +299,7 @@ def presses_maps_or_surrogates(pair: PairProperties) -> bool:
 
 @make_condition("is for lines, or for the areas of two maps")
 def presses_scans(pair: PairProperties) -> bool:
-    """Return whether the scans themselves are pressed, instead of surrogates."""
+    """Return whether the scans are pressed against each other, instead of surrogates of the scans."""
     return pair.press_mode != "surrogates"
 
 
@@ -347,7 +347,7 @@ def uses_asperity_model(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with {lay} grooves, which needs the law of cylinders")
 def has_contact_law_for_lay(pair: PairProperties) -> bool:
-    """Return True unless the lay is "grooves" and the contact law is not "hertz-cylinder" (elastic cylinders)."""
+    """Return False if the lay is "grooves", but the contact law is not "hertz-cylinder"; return True otherwise."""
     return pair.options.lay != "grooves" or pair.contact_law == "hertz-cylinder"
 
 
@@ -359,13 +359,13 @@ def has_contact_law_with_yield(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with {hardness}, which determines it")
 def has_free_yield_strength(pair: PairProperties) -> bool:
-    """Return whether a yield strength may be given: without a hardness, or if the half-space model uses a hardness."""
+    """Return whether a yield strength is allowed: no hardness is given, or the half-space model uses the hardness."""
     return pair.options.hardness is None or "half-space" in pair.contact_models
 
 
 @make_condition("needs {mechanics} half-space, or {law} jackson-green with the asperity model")
 def has_contact_model_with_hardness(pair: PairProperties) -> bool:
-    """Return whether a contact model can use a hardness: the half-space model, or the Jackson-Green contact law."""
+    """Return whether a contact model of the pair can use a hardness (half-space model or Jackson-Green law)."""
     return "half-space" in pair.contact_models or pair.contact_law == JacksonGreen.name
 
 

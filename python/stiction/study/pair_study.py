@@ -379,7 +379,7 @@ class MeasuredPair:
 
     @cached_property
     def half_space_inputs(self) -> Inputs:
-        """Inputs for a half-space contact without adhesion or junction growth: mu0, tau0, elasticity and hardness.
+        """Inputs (mu0, tau0, elasticity, hardness) for a half-space contact without adhesion and junction growth.
 
         If an interface is given, mu0 and tau0 are the medians of the interface.
         """
@@ -451,7 +451,7 @@ class MeasuredPair:
 
     @property
     def _max_cell_adhesion_force(self) -> float:
-        """Largest adhesive force (mN) on a grid cell: work of adhesion over adhesion range, times cell area."""
+        """Largest adhesive force (mN) on one grid cell: cell area times work of adhesion, divided by the range."""
         num_points = int(np.prod(self._body_attributes.attributes["shape"]))
         spacings = np.atleast_1d(np.asarray(self._body_attributes.attributes["spacing_um"], float))
         work_of_adhesion, adhesion_range_of_study = (
@@ -481,7 +481,7 @@ class MeasuredPair:
 
     @cached_property
     def _given_loads(self) -> list[tuple[Quantity, bool]]:
-        """Given loads as pairs of number and pressure flag: (mN, False) for a force, or (GPa, True) for a pressure."""
+        """Loads that the user gives, as (number in mN, False) for a force or (number in GPa, True) for a pressure."""
         if not (loads := split_values(self.options.load)):
             raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.options.load))
         reject_decimal_commas("load", self.options.load)
@@ -657,7 +657,7 @@ class MeasuredPair:
         return [list(pair) for pair in zip(lengths[::2], lengths[1::2], strict=True)]
 
     def _count_positions(self) -> tuple[int, int]:
-        """Return the number of line pairs, and the number of relative positions of each line pair."""
+        """Return the number of line pairs, and the number of positions at which each line pair is pressed."""
         num_lines, num_offsets = self.options.lines or DEFAULT_NUM_LINE_PAIRS, self.options.offsets
         if self.are_profiles and not self.has_surrogates:
             positions = self._listed_positions
@@ -901,7 +901,7 @@ class MeasuredPair:
             "ensemble": self._build_ensemble_section(),
             "friction": placeholder_friction,
         }
-        # With checksums, the surface settings equal those of the final study, so both studies share cached bodies.
+        # Checksums make the surface settings equal to those of the final study, so both studies share cached bodies.
         return find_body_attributes(_validate_study(sections).with_checksums())
 
     @property
@@ -913,7 +913,7 @@ class MeasuredPair:
 
 
 def _build_growth_entry(estimate: UncertainInput) -> InputValue:
-    """Return the study entry for a junction growth factor: the central value and, if it is uncertain, the range."""
+    """Convert a junction growth factor to a study entry: the central value and, for an uncertain factor, its range."""
     if estimate.is_exact:
         return parse_input_value("junction_growth", estimate.value)
     return parse_input_value("junction_growth", f"{estimate.value:.6g} ({estimate.text})")
@@ -989,7 +989,7 @@ def _list_scans(side: str, scan_input: Any) -> list[Any]:
 
 
 def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | NoiseHiddenInSpectrum | None:
-    """Return the instrument limit of a scan, or hidden noise (or None) if wavelengths below the limit hardly matter."""
+    """Return the instrument limit of a scan or, if wavelengths below this limit hardly matter, hidden noise or None."""
     body = scan.read()
     if isinstance(body, JoinedSpectrum) or body.is_flat:
         return None

@@ -1,4 +1,4 @@
-"""Inputs that a pair shares with the friction tests of its interface, and the ranges that both give to an input.
+"""Inputs that a pair shares with the tests of its interface; the tests and the pair may give them different ranges.
 
 The tests and the pair give the same range to most shared inputs, such as the hardness of a material. If the ranges
 differ but have the same central value, they are two statements about one quantity, and the narrower range applies.
@@ -46,7 +46,7 @@ _TESTED_RANGE_PATTERN = re.compile(r"(normal|log-normal|uniform) (\S+?)\.\.(\S+)
 
 @dataclass(frozen=True)
 class SharedInput:
-    """Input of a pair that the tests of its interface also have, with the ranges of the tests and of the pair.
+    """Input that a pair shares with the friction tests of its interface: its range in the tests, and in the pair.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class SharedInput:
 
     @property
     def is_one_quantity(self) -> bool:
-        """True if the central values are equal, so that both ranges describe one quantity."""
+        """True if tests and pair give the input equal central values: both ranges describe one quantity."""
         return math.isclose(self.tested.value, self.stated.value, rel_tol=MAX_RELATIVE_CENTRAL_VALUE_DIFFERENCE)
 
     @property
@@ -79,7 +79,7 @@ class SharedInput:
 
     @property
     def is_narrower_in_pair(self) -> bool:
-        """True if the range of the pair is narrower than that of the tests."""
+        """True if the pair gives the input a narrower range than the tests."""
         return self.stated.high - self.stated.low < self.tested.high - self.tested.low
 
     def sample(self, fit: StrengthFit) -> Floats:
@@ -92,7 +92,7 @@ class SharedInput:
 def compare_ranges(
     strength: InterfaceStrength, estimates: Mapping[str, UncertainInput], pair_checksum: str = ""
 ) -> dict[str, SharedInput]:
-    """Return the inputs of a pair that the tests of an interface also have, by name, with both ranges.
+    """Return the inputs that a pair shares with the tests of an interface, by name, with the ranges of tests and pair.
 
     `estimates` contains the distributions of the inputs of the pair, which may be exact. `pair_checksum` identifies the
     pair among the tested pairs. If the tests have several ranges of an input, the range that equals that of the pair is
@@ -117,7 +117,7 @@ def compare_ranges(
 def find_shared_inputs(
     strength: InterfaceStrength, estimates: Mapping[str, UncertainInput], pair_checksum: str = ""
 ) -> dict[str, SharedInput]:
-    """Return the inputs of a pair that are the same quantities as in the tests of an interface, by name.
+    """Return the inputs of a pair that denote the same quantity in the tests of an interface, keyed by name.
 
     The arguments are those of `compare_ranges`.
     """
@@ -128,7 +128,7 @@ def find_shared_inputs(
 def _find_tested_ranges(
     scores: Mapping[str, Floats], name: str, stated: UncertainInput, pair_checksum: str
 ) -> Iterator[SharedInput]:
-    """Yield the ranges that the tests give to an input, from the names of the scores."""
+    """Yield each range that the tests of an interface give to an input, parsed from the names of the scores."""
     suffix = f" of {pair_checksum}" if name == "area_loss" else ""
     for score_name in scores:
         text = score_name.removeprefix(f"{name} ")
@@ -145,7 +145,7 @@ def _find_tested_ranges(
 
 
 def apply_ranges_of_pair(strength: InterfaceStrength, shared_inputs: Mapping[str, SharedInput]) -> InterfaceStrength:
-    """Return an interface whose first fit has the ranges of a pair, where they are narrower than those of the tests.
+    """Return a copy of an interface; its first fit uses the ranges of a pair that are narrower than those of the tests.
 
     Samples are selected in proportion to the ratio of the new to the old density of the inputs. They are then samples
     of the fit that the same tests would have given with the range of the pair.
@@ -188,7 +188,7 @@ def _compute_log_density(estimate: UncertainInput, values: Floats) -> Floats:
 
 
 def _limit_weights(log_weights: Floats) -> Floats:
-    """Raise weights to a power below 1 until the effective number of samples is large enough."""
+    """Raise importance weights to a power below 1, until the effective number of samples is large enough."""
     min_samples = min(MIN_CONDITIONED_SAMPLES, MAX_CONDITIONED_FRACTION * log_weights.size)
     while compute_effective_sample_size(log_weights) < min_samples:
         log_weights = WEIGHT_EXPONENT_STEP * log_weights

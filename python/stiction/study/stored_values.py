@@ -51,7 +51,7 @@ class VariableSpec:
     bounds: tuple[float, float] = STORED_VALUE_BOUNDS
     may_be_nan: bool = False
     is_required: bool = True
-    # Name of the dimension along which the numbers must increase strictly, or an empty text without this requirement.
+    # Name of the dimension along which the numbers must strictly increase. Empty if the numbers may be in any order.
     ascending_dim: str = ""
 
 
@@ -144,7 +144,7 @@ def check_increase(name: str, values: NDArray[Any], axis: int = 0) -> None:
 
 
 def check_missing_values(name: str, values: NDArray[Any], is_missing: NDArray[np.bool_]) -> None:
-    """Raise a `DamagedFileError` unless a sum over contacts is NaN at all loads without a solution, and at no others.
+    """Raise a `DamagedFileError` if a stored contact sum is NaN at a load with a solution, or not NaN without one.
 
     `is_missing` has the shape (..., loads), and `values` may have further axes before the last.
     """

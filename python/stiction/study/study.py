@@ -96,7 +96,7 @@ _KEYS_WRITTEN_FIRST = (
 
 _STUDY_LIBRARY_DIRECTORY = resources.files("stiction.study") / "library"
 DEFAULT_SEED = 2016
-# Difference between two studies: key with dots, and value of this key in each study as TOML text.
+# Difference between two studies: key with dots, value in the first study and value in the second study, as TOML text.
 StudyDifference = tuple[str, str, str]
 MAX_LISTED_DIFFERENCES = 4
 
@@ -262,7 +262,7 @@ class FigureSettings(SettingsSection):
 def _add_bracketing_loads(
     surfaces: Mapping[str, Any], contact: Mapping[str, Any], friction: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return sections `[contact]` and `[friction]` with two loads added: one below and one above the requested loads.
+    """Return the sections `[contact]` and `[friction]` with two more loads, below and above the requested loads.
 
     This applies to generated surfaces in the half-space model. Returns an empty dictionary if no loads are requested,
     if the study has its own load curve, or if a section is invalid.
@@ -304,7 +304,7 @@ def _compute_nominal_area(surfaces: Mapping[str, Any]) -> float:
 
 
 def _build_empty_section() -> Any:
-    """Return an empty section as a placeholder, which validation replaces by a section with defaults."""
+    """Return an empty section; validation replaces it by a section with default values."""
     return {}
 
 
@@ -332,7 +332,7 @@ class Study(SettingsSection):
     @model_validator(mode="before")
     @classmethod
     def _add_loads_for_interpolation(cls, data: Any) -> Any:
-        """Add loads below and above the requested loads, between which results can be interpolated.
+        """Add loads below and above the requested loads, so that results can be interpolated at the requested loads.
 
         The requested loads are `friction.load`. For generated surfaces with the half-space, a list `contact.load` is
         used if `friction.load` is missing.
@@ -601,7 +601,7 @@ class Study(SettingsSection):
         return format_toml_sections(self._to_sections())
 
     def _convert_base_sections(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-        """Return the sections of the study, converted if a changed key such as `kind` selects another section class."""
+        """Return the sections of the study in the form that a changed key such as `kind` requires."""
         sections = self._to_sections()
         selectors = {
             key: changes.get(f"{section}.{key}", sections[section].get(key)) for section, key in _DISCRIMINATOR_KEYS
@@ -621,7 +621,7 @@ class Study(SettingsSection):
         return sections
 
     def _remove_replaced_entries(self, sections: Mapping[str, dict[str, Any]], changes: Mapping[str, Any]) -> None:
-        """Remove keys from `[contact]` and `[friction]` that would contradict a key in `changes`.
+        """Remove the keys from `[contact]` and `[friction]` that contradict a changed key.
 
         E* replaces Young's moduli, but not `compliance_share`, and Young's moduli replace both. An interface replaces
         mu0 and tau0; a change of mu0 or tau0 replaces the interface, but not the other parameter.
@@ -644,7 +644,7 @@ class Study(SettingsSection):
     def _remove_dependent_loads(
         self, sections: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool
     ) -> None:
-        """Remove loads from a study of generated surfaces that would contradict the loads in `changes`.
+        """Remove the loads of a study of generated surfaces that contradict the loads in `changes`.
 
         `friction.load` is removed if `contact.load` changes, or if the changed study has no `friction.load`. Otherwise,
         `contact.load` is removed if it has two loads more than `friction.load`, because validation added two loads, and
@@ -687,7 +687,7 @@ def drop_none_entries(section: SettingsSection) -> dict[str, Any]:
 
 
 def _replace_paths_by_checksums(value: Any) -> Any:
-    """Copy nested study entries, without the file path and the loaded body of each scan that has a checksum."""
+    """Copy nested study entries; in the copy, a scan with a checksum has neither a file path nor a loaded body."""
     if isinstance(value, Mapping):
         ignored_keys = ("file", "body") if "sha256" in value else ()
         return {key: _replace_paths_by_checksums(item) for key, item in value.items() if key not in ignored_keys}
@@ -768,7 +768,7 @@ def find_section_differences(
 
 
 def find_member_differences(first_study: Study, second_study: Study) -> list[StudyDifference]:
-    """List the keys that affect the members and have different values in two studies, with both values.
+    """List the keys that affect members and differ between two studies, with the values in both studies.
 
     Members depend on the central values of inputs, but not on the ranges. Members do not depend on the section
     `[friction]`, on the area loss under shear, on the depth of the indentation, on figures, or on file paths. If bodies
@@ -792,7 +792,7 @@ def find_member_differences(first_study: Study, second_study: Study) -> list[Stu
 
 
 def _have_equal_central_values(first_study: Study, second_study: Study, key: str) -> bool:
-    """Return whether a study key sets an input, such as hardness, to equal central values in both studies."""
+    """Return whether a key is an input, such as hardness, that has the same central value in both studies."""
     section, _, name = key.partition(".")
     values = [getattr(getattr(study, section), name, None) for study in (first_study, second_study)]
     inputs = [value if isinstance(value, tuple) else (value,) for value in values]

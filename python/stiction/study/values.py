@@ -211,7 +211,7 @@ class SettingsSection(BaseModel):
         except ValidationError as error:
             raise _convert_validation_errors(type(self), error, "") from None
 
-    # With this attribute, pydantic calls no constructors of nested sections, so that one error lists all faults.
+    # With this attribute, pydantic calls no constructors of nested sections. One error then lists all faults.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
 
@@ -314,7 +314,7 @@ class LoadRange(_SteppedValueRange):
     stop: Force
 
 
-# Before validation, a value is tagged as a range or as a list, so that an error message describes only this form.
+# A value is tagged as a range or as a list before its validation, so that an error message describes only one form.
 RANGE_TAG, LIST_TAG = "a range", "a list"
 
 

@@ -140,7 +140,7 @@ class Caveat:
 
 
 class LimitCheck(NamedTuple):
-    """Check of a number against an upper limit, with text and remedy of the caveat that a failed check causes.
+    """Upper limit for a number, with the text and the remedy of the caveat for numbers above the limit.
 
     In the text of the caveat, {} stands for the number named `about`.
     """
@@ -157,7 +157,7 @@ class LimitCheck(NamedTuple):
 
     @property
     def shown_name(self) -> str:
-        """Name of the number that the caveat shows: `about`, or the checked number (`name`) if `about` is empty."""
+        """Name of the number in the text of the caveat: `about` or, if `about` is empty, the checked number `name`."""
         return self.about or self.name
 
     def to_caveat(self, numbers: Mapping[str, Any]) -> Caveat:
@@ -279,7 +279,10 @@ NO_COEFFICIENT_CAVEAT = Caveat(
 
 
 def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
-    """Return the checks of the mean coefficient and its interval; at most the first failed check is reported."""
+    """Return the checks of the mean coefficient and of its interval, in order of priority.
+
+    Only the first failed check is reported.
+    """
     if study.is_gap:
         return (SINGLE_POSITION_CHECK,)
     members = study.member_names.plural
@@ -299,7 +302,10 @@ def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
 
 
 def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
-    """Return the checks for too few contacts and for a dominant contact; at most the first failed check is reported."""
+    """Return the checks for too few contacts and for a dominant contact, in order of priority.
+
+    Only the first failed check is reported.
+    """
     member, members = study.member_names
     total_text = f"all {members} together have fewer than {MIN_TOTAL_CONTACTS} contacts, on average {{}} per {member}"
     total_remedy = f"use a higher load, larger surfaces or more {members}"
@@ -323,7 +329,7 @@ def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
 
 
 def _build_contact_checks(study: Study) -> CheckGroups:
-    """Return the groups of checks of a result point: one group for the pull-off force, then groups for the contacts."""
+    """Return the checks of the contacts at a result point, in groups; the first group checks the pull-off force."""
     text = "the pull-off force is a lower bound"
     # Two faces that are given by their gap have only one relative position.
     if not study.is_gap:
@@ -382,7 +388,7 @@ def find_point_caveats(
 
 
 def find_smallest_check_limit(name: str, study: Study) -> float | None:
-    """Return the lowest limit among the contact checks of the quantity `name`.
+    """Return the lowest limit with which contact checks compare the quantity `name`.
 
     Returns None if no check compares this quantity.
     """
@@ -391,7 +397,7 @@ def find_smallest_check_limit(name: str, study: Study) -> float | None:
 
 
 def find_caveats_of_failed_checks(checks: CheckGroups, numbers: Mapping[str, Any]) -> Iterator[Caveat]:
-    """Yield the caveats of failed checks: at most one per group, from the first check of the group that fails.
+    """Yield one caveat per group of checks with a failed check, from the first failed check of the group.
 
     A check passes if the number that it compares is missing.
     """
@@ -543,7 +549,7 @@ def assess_ensemble_points(
     value_checks = (_build_value_checks(study), *pressure_checks, [COEFFICIENT_EQUALS_MU0_CHECK])
     add_failed_checks((*value_checks, _build_contact_count_checks(study)), has_value)
     add_failed_checks(_build_contact_checks(study), has_value | unloaded_mask)
-    # Each combination of caveats is encoded as one integer, because sorting integers is much faster than sorting rows.
+    # Each combination of caveats is encoded as an integer: integers are sorted much faster than rows of an array.
     codes = np.zeros(status.shape, np.intp)
     for indices in reason_numbers:
         codes = codes * (len(reasons) + 1) + indices
@@ -562,7 +568,7 @@ def assess_caveats(reasons: Iterable[Caveat | LimitCheck]) -> str:
 
 
 def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> Iterator[Caveat]:
-    """Yield caveats about junction growth that is neglected, unlike in the calibration, or makes friction unlimited."""
+    """Yield caveats about junction growth: neglected, different from the calibration, or unlimited friction."""
     hardness = study.contact.hardness
     if hardness is None or not (mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS):
         return
@@ -604,7 +610,7 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> It
 
 
 def _find_size_effect_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
-    """Yield a caveat if small metal contacts may be harder, or less hard, than the study assumes."""
+    """Yield a caveat if the hardness of small metal contacts may differ from the hardness that the study assumes."""
     contact, softer_material = study.contact, softest_material(*find_materials(study))
     if contact.yield_exponent is None:
         return
@@ -665,7 +671,7 @@ def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingR
 def _find_caveats_about_unlimited_friction(
     point: xarray.Dataset, hardness: float, law: friction.FrictionLaw, growth: UncertainInput
 ) -> Iterator[Caveat]:
-    """Yield a caveat if friction has no upper limit for some input samples, or if τ0 is close to the bulk strength."""
+    """Yield a caveat if friction is unlimited for some input samples, or if τ0 is close to the body's strength."""
     law = replace(law, junction_growth=growth.high, uses_slip_lines=growth.uses_slip_lines)
     strength_ratio = float(law.bulk_strength_ratio(hardness))
     unlimited_fraction = mean_over_directions(point, "fraction_unlimited")
@@ -676,7 +682,7 @@ def _find_caveats_about_unlimited_friction(
             + ("; the interval has no upper limit" if unlimited_fraction > MAX_UNLIMITED_SAMPLE_FRACTION else "")
         )
         severity: Severity = "fault" if unlimited_fraction > MAX_UNLIMITED_SAMPLE_FRACTION else "caution"
-        # A smaller load can help: contacts then yield at the same pressure, but do not cover the whole nominal area.
+        # A smaller load may help: the contacts would yield at the same pressure, but not cover the whole nominal area.
         is_load_limited = not growth.uses_slip_lines and strength_ratio < 1
         remedy = "measure the hardness, and determine μ0 and τ0 with stiction calibrate"
         yield Caveat(text, remedy + (", or reduce the load" if is_load_limited else ""), severity)
@@ -690,7 +696,7 @@ def _find_caveats_about_unlimited_friction(
 
 
 def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield caveats about neglected adhesion, an adhesion range below the grid resolution, or omitted uncertainty."""
+    """Yield caveats about adhesion: neglected adhesion, an unresolved adhesion range, or an omitted uncertainty."""
     if not study.contact.adheres:
         added_load = estimate_adhesion_load_ratio(point, study)
         # The asperity model always neglects adhesion, so there is a caveat only if adhesion would double the load.
@@ -823,7 +829,7 @@ def _find_drift_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleC
 
 
 def _find_orientation_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield a caveat if both maps have a lay, and the study specifies neither a rotation nor positions.
+    """Yield a caveat if both maps have a lay, but the study specifies no rotation of a map and no positions.
 
     Maps with a lay are pressed at several relative positions, but in one orientation.
     """

@@ -30,7 +30,7 @@ from stiction.surfaces.sections import SectionLengthError, SectionParameters, se
 from stiction.surfaces.spectrum import PowerSpectrum, ProfileMoments, RadialSpectrum, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import Surface
 
-# Friction coefficient mu0 of the interface that small-slope estimates assume.
+# Interface friction coefficient mu0 that small-slope estimates assume.
 ASSUMED_MU0 = 0.4
 RADIAL_BINS_PER_DECADE = 20
 # If a spectrum has a Hann window, the variance of ln(density) in a bin of n harmonics is this number divided by n.
@@ -190,19 +190,22 @@ class Characterisation:
 
     @property
     def instrument_limit(self) -> InstrumentLimit:
-        """Shortest wavelength that is reliable if only pixels and noise are considered, and not the tip."""
+        """Shortest reliable wavelength of the scan, limited by pixels and noise; the instrument's tip is ignored."""
         return self.defects.instrument_limit
 
     @property
     def tip_limit(self) -> InstrumentLimit | None:
-        """Shortest wavelength that is reliable if pixels, noise and tip are considered; None without a tip radius."""
+        """Shortest reliable wavelength of the scan, limited by pixels, noise and tip; None without a tip radius."""
         return self.defects.instrument_limit_with_tip
 
     @cached_property
     def friction_estimates(self) -> tuple[float, ...]:
-        """Small-slope friction estimates along x and y for two such bodies; empty if the slopes along an axis are 0."""
+        """Small-slope friction estimates along x and y for a contact of two equally rough bodies such as this body.
+
+        The tuple is empty if the slopes along an axis are 0.
+        """
         # The gap between two equally rough bodies has twice the mean square slope of one body.
-        # The slopes along (y, x) are put into reverse order, so that the estimate along x comes first.
+        # Slopes are computed along y and x. Their order is reversed, so that the estimate along x comes first.
         mean_square_slopes = [2 * float(np.square(slopes).mean()) for slopes in compute_slopes(self.body)][::-1]
         return tuple(
             float(

@@ -82,7 +82,7 @@ class Evaluation(MemberSums):
         return None if onset is None else self.scale_onset(onset)
 
     def scale_onset(self, onset: xarray.Dataset) -> xarray.Dataset | None:
-        """Scale the loads of a computed onset of sliding to the sliding load μ_s F for friction at all contacts.
+        """Scale the loads of a computed onset of sliding to the sliding load μ_s F under friction at all contacts.
 
         Returns None if the result has no coefficient, and the unchanged onset if the result does not include the rule
         "all".
@@ -127,7 +127,7 @@ class Evaluation(MemberSums):
 
     @property
     def contact_forces(self) -> xarray.Dataset | None:
-        """Pair of profiles in contact in the asperity model, with the force on the upper profile at each contact.
+        """Two profiles in contact in the asperity model, with the force on the upper profile at each contact.
 
         None for maps, for the half-space model, and if no pair has contacts. The forces are computed on first use.
         """
@@ -166,7 +166,7 @@ class Evaluation(MemberSums):
 
     @property
     def at_study_loads(self) -> xarray.Dataset:
-        """Quantities at the loads, mu0 and tau0 of the study, with intervals and the uncertainty budget.
+        """Friction and other quantities at the loads, mu0 and tau0 of the study, with intervals and uncertainty budget.
 
         If the study has a range of fractal dimensions, only `NUM_OVERVIEW_FRACTAL_DIMENSIONS` of them are evaluated.
         """
@@ -451,7 +451,7 @@ class Evaluation(MemberSums):
         return summary if has_all_cells else self.summarize_dataset(self._at_all_dimensions)
 
     def summarize_dataset(self, at: xarray.Dataset) -> Summary:
-        """Summarize a dataset that `at` returned with `budget=True`, or a selection from such a dataset."""
+        """Summarize a dataset, or part of a dataset, that `at` returned with `budget=True`."""
         import xarray
 
         check_instance("at", at, xarray.Dataset, "a dataset from Result.at")
@@ -463,7 +463,7 @@ class Evaluation(MemberSums):
 
     @cached_property
     def _study_summary(self) -> Summary | ValueError:
-        """Summary at the loads of the study, or the error that states why the result has no coefficient.
+        """Summary at the loads of the study; if the result has no coefficient, the error that states the reason.
 
         The error is cached too, because it takes as long to compute as a summary.
         """
@@ -486,7 +486,7 @@ class Evaluation(MemberSums):
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Limits of the combined 95 % interval of `value`, which covers inputs, positions and unresolved roughness."""
+        """Limits of the combined 95 % interval of `value`, for uncertain inputs, positions and unresolved roughness."""
         return self._first_reported_point.lower, self._first_reported_point.upper
 
     @property

@@ -28,7 +28,7 @@ MAX_DRAWN_CURVES = 8
 # Factors of the study's length scale for which a figure compares the surfaces.
 LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)
 MAX_SURFACE_SIDE_POINTS = 400
-# Maximum number of tau0 in a figure: the lowest and the highest tau0.
+# Maximum number of tau0 in a figure, which shows the lowest and the highest tau0 of a study.
 MAX_DRAWN_STRENGTHS = 2
 CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
 """Loads for which the onset of sliding is drawn, as fractions of the load range on a logarithmic scale."""
@@ -38,7 +38,7 @@ CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
 
 
 def evaluate_positions(result: Evaluation, point: xarray.Dataset) -> xarray.Dataset:
-    """Add the variable `member_friction` to a result point: the friction coefficient of each surface pair.
+    """Add the friction coefficients of all surface pairs to a result point, as the variable `member_friction`.
 
     The variable has the dimensions repetition, direction and sliding.
     """
@@ -49,7 +49,7 @@ def evaluate_positions(result: Evaluation, point: xarray.Dataset) -> xarray.Data
 
 
 def evaluate_positions_at_first_load(result: Evaluation) -> xarray.Dataset:
-    """Return the result point at the study's first load, mu0 and tau0, and add the coefficient of each pair."""
+    """Return the result point at the study's first load, mu0 and tau0, with the coefficient of each surface pair."""
     first_load = float(result.study.friction.load[0])
     points = sort_sliding_rules(result.at_study_loads, result.study).isel(cut_off=0, mu0=0, tau0=0)
     return evaluate_positions(result, points.sel(load=first_load, method="nearest"))
@@ -79,7 +79,7 @@ def evaluate_height_factors(
 
 
 def remove_undefined_nominal_area(points: xarray.Dataset, study: Study) -> xarray.Dataset:
-    """Remove nominal area and area fraction from a dataset of `Result.at` if the contact model has no nominal area."""
+    """Remove nominal area and area fraction from a dataset if the contact model has no nominal area."""
     names = ["nominal_area", "contact_area_fraction"]
     return points if study.has_nominal_area else points.drop_vars(names, errors="ignore")
 
@@ -109,7 +109,7 @@ class FrictionOverDimension:
 
 
 def iterate_motions(result: Evaluation) -> Iterator[tuple[str, Evaluation]]:
-    """Yield, for each sliding rule and direction, a suffix for file names and the result for this motion alone."""
+    """Yield one result per sliding rule and direction, each preceded by its suffix for file names."""
     dims = [dim for dim in ("sliding", "direction") if dim in result.head.dims]
     if not dims:
         yield "", result
@@ -137,7 +137,7 @@ def evaluate_friction_over_dimension(result: Evaluation, mu0: Sequence[float]) -
 
 
 def _find_commonly_reached_load(result: Evaluation, lowest: float) -> float:
-    """Return a load (mN) that 90 % of the fractal dimensions and amplitudes reach, if possible a power of ten."""
+    """Return a load (mN) that 90 % of the result cells (fractal dimension, amplitude) reach; if possible 10^n."""
     highest_loads = result.mean_elastic_loads.max(result.study.step_quantity).values
     common_load = float(np.quantile(highest_loads[highest_loads > 0], 0.1))
     power_of_ten = 10.0 ** np.floor(np.log10(0.9 * common_load))
@@ -193,7 +193,7 @@ def generate_profiles(study: Study) -> dict[float, Profile]:
 
 
 def generate_bodies_by_length_scale(study: Study) -> dict[float, tuple[Profile, Surface]]:
-    """Generate a profile and a map (Eq. 1 of the paper) per length scale (µm), with equal phases, unscaled."""
+    """Generate an unscaled profile and map (Eq. 1 of the paper) per length scale (µm), all with the same phases."""
     surfaces: Any = study.surfaces
     dimension = surfaces.fractal_dimensions()[0]
     num_points = int(min(MAX_SURFACE_SIDE_POINTS, surfaces.points))

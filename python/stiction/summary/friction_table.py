@@ -223,7 +223,7 @@ def friction_table(
         # The approach is nearly linear in ln(load), so it is differentiated with respect to ln(load).
         approach_derivative = np.gradient(approach, np.log(pressure_steps), axis=-1, edge_order=2)
         stiffness = STIFFNESS_PER_AREA_FACTOR * pressure_steps / approach_derivative
-    # Only the requested loads are kept, which are some of the computed loads.
+    # The computed loads that were not requested are left out.
     requested_loads = [float(load) for load in study.friction.load] or dataset["load"].values
     indices = np.flatnonzero(np.isin(dataset["load"].values, requested_loads))
     dataset, pressure = dataset.isel(load=indices), pressure_steps[indices]

@@ -86,7 +86,7 @@ def find_input_caveats(
 
     `alternatives` contains the names of the alternative preparations that the interval includes.
     """
-    # There is no caveat about form error for a gap between two faces, or for scans with subtracted form.
+    # A gap between two faces, and scans whose form was subtracted, get no caveat about form error.
     surfaces: Any = study.surfaces
     is_form_subtracted = surfaces.level == "quadratic"
     is_vouched = bool(surfaces.vouched)
@@ -246,7 +246,7 @@ def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :
 
 
 def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return the remedy of a caveat, or advice to scan a longer part if the caveat's cutoff exceeds `longest` (µm)."""
+    """Return the remedy of a caveat, or advice to scan a longer part if its cutoff exceeds `longest` (µm)."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
     return (
@@ -264,7 +264,7 @@ _NUMBER_PATTERN = re.compile(r"\d[\d.]*")
 
 
 def _get_caveat_kind(caveat: Caveat) -> str:
-    """Return the text of a caveat without numbers, which is equal for all caveats of the same kind."""
+    """Return a caveat's text without numbers; caveats of the same kind have equal texts without numbers."""
     return _NUMBER_PATTERN.sub("", caveat.text)
 
 
@@ -368,7 +368,7 @@ def _get_axis_extents(body: MeasuredBody) -> tuple[float, float]:
 
 
 def have_different_spectra(joined: JoinedSpectrum) -> bool:
-    """Return whether one scan's spectrum differs from the spectra of the others by a factor significantly above 2."""
+    """Return whether the spectrum of any scan differs from the other scans' by a factor significantly above 2."""
     with np.errstate(invalid="ignore"):
         return bool(
             (np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_RATIO_OF_TWO_SPECTRA)).any()
@@ -444,7 +444,7 @@ def _find_instrument_caveats(
 
 
 def _describe_slope_fraction(limit: InstrumentLimit) -> str:
-    """Return a clause that states which fraction of the mean square slope comes from unreliable wavelengths."""
+    """Return a clause that states the fraction of the mean square slope below the shortest reliable wavelength."""
     # The fraction is rounded to whole per cent, so that similar scans get caveats with the same text.
     fraction_text = f"{100 * limit.slope_fraction:.0f} %"
     axis_text = f" along {limit.axis}" if limit.axis else ""

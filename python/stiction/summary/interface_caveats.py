@@ -1,4 +1,4 @@
-"""Caveats about a calibrated interface: caveats of its tests, and inputs with other ranges than in its tests."""
+"""Caveats about a calibrated interface: from its tests, and about inputs with other ranges in the tests."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def find_range_caveats(strength: InterfaceStrength, inputs: Inputs, pair_checksu
 
 
 def _get_tested_range_text(shared_input: SharedInput, strength: InterfaceStrength, unit: str) -> str:
-    """Return the range of an input in the tests: the text of a hardness, or both limits in the given unit."""
+    """Return as text the range of an input in the tests: as the user wrote it (hardness), or as two limits."""
     tested = shared_input.tested
     with contextlib.suppress(KeyError, ValueError):
         hardness = parse_study_input("hardness", strength.about[HARDNESS_HEADER_ENTRY])

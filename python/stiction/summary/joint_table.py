@@ -127,7 +127,7 @@ class JointRow:
         return self.estimates["nominal_pressure"]
 
     def friction(self, percentile: float) -> Estimate:
-        """Return a percentile (5, 50 or 95) of the static friction coefficients of single tests."""
+        """Return a percentile (5, 50 or 95) of the friction coefficients that single tests would measure."""
         return self.estimates[f"friction_{percentile:g}"]
 
 
@@ -191,7 +191,7 @@ def parse_closure_start(closure_from: Any, nominal_area: float | None) -> float:
 
 
 def add_load(loads: Floats, load: float) -> tuple[Floats, float]:
-    """Add a load (mN) to others, unless one of them equals it except for round-off, and return all and this load."""
+    """Add a load (mN) to an array, unless the array contains an equal load; return the array and the load in it."""
     equal_loads = loads[np.isclose(loads, load, rtol=MAX_LOAD_ROUND_OFF, atol=0)]
     return (loads, float(equal_loads[0])) if equal_loads.size else (np.unique([*loads, load]), load)
 
@@ -273,7 +273,7 @@ def build_joint_table(
 
 
 def _count_closures_from(rows: Sequence[Mapping[str, Estimate]], start: int) -> list[Estimate]:
-    """Return the closure of each row of a joint table, counted from the row with index `start`.
+    """Return the closures in a joint table, counted from the row with index `start` (zero closure).
 
     A closure between two pressures is the integral of the pressure over the stiffness of closure. Its limits are those
     for the limits of the stiffness at all pressures.
@@ -410,7 +410,7 @@ def _compute_dundurs_beta(poisson: Any, compliance_share: float) -> float:
 
 
 def _describe_assessments(rows: Sequence[JointRow]) -> str:
-    """Return a sentence that states how many rows of a joint table have each assessment."""
+    """Return a sentence with the number of rows of a joint table for each assessment, such as "Do not quote"."""
     assessment_counts = Counter(row.assessment for row in rows)
     assessment_texts = [
         f"{text} ({assessment_counts[text]} of {len(rows)} pressures)"

@@ -65,7 +65,7 @@ class ParameterAxis:
 
 
 class ReportGrid:
-    """Slider positions of a report (loads, mu0, tau0), and the groups of surface pairs and directions to average.
+    """Grid of loads, mu0 and tau0 for the sliders of a report; groups of surface pairs and of directions to average.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class ReportGrid:
 
     @cached_property
     def member_kinds(self) -> list[MemberKind | None]:
-        """Kinds of surface pairs that a report shows separately, the reported kind first; [None] for a single kind."""
+        """Kinds of surface pairs in a report ("shifts", "surrogates"), the reported kind first; [None] for one kind."""
         if "surrogate" not in self.result.head.coords:
             return [None]
         surrogate = self.result.dataset["surrogate"].values.astype(bool)
@@ -106,20 +106,20 @@ class ReportGrid:
 
     @property
     def motions(self) -> list[list[int]]:
-        """Groups of direction indices; for each group, a report shows the mean coefficient over the directions."""
+        """Groups of directions (indices): all together, then each alone; a report shows the mean over each group."""
         directions = list(range(len(self.study.contact.direction_angles())))
         single_directions = [[index] for index in directions]
         return [directions, *single_directions] if self.study.is_measured and len(directions) > 1 else single_directions
 
     @property
     def num_coefficients(self) -> int:
-        """Number of coefficients in a report: one per member kind, surface, rule, motion, load, mu0 and tau0."""
+        """Number of coefficients in a report, for all member kinds, surfaces, rules, motions, loads, mu0 and tau0."""
         cell_sizes = [values.size for values in self.study.surfaces.cell_coordinates().values()]
         num_curves = math.prod(cell_sizes) * len(self.study.contact.sliding_rules()) * len(self.motions)
         return len(self.member_kinds) * num_curves * self.loads.size * math.prod(axis.values.size for axis in self.axes)
 
     def evaluate(self) -> tuple[xarray.Dataset, ...]:
-        """Evaluate friction and its intervals for each kind of member, at all loads, mu0 and tau0 of the grid.
+        """Evaluate friction with intervals for each kind of member, at all loads, mu0 and tau0 of the grid.
 
         Members of measured bodies have combined intervals, except surrogates that were computed in addition to shifted
         maps.
@@ -163,7 +163,7 @@ def build_parameter_axes(study: Study) -> tuple[ParameterAxis, ParameterAxis]:
 
 
 def _list_round_numbers(largest: float, max_count: int) -> Floats:
-    """Return the numbers from 0 to `largest` in steps of 1, 2 or 5 times a power of 10.
+    """Return equally spaced round numbers from 0 to `largest`, in steps of 1, 2 or 5 times a power of 10.
 
     The step is the smallest for which `largest` is at most `max_count` steps.
     """

@@ -98,8 +98,8 @@ def evaluate_measured_report(grid: ReportGrid) -> ReportValuesOfMeasuredSurfaces
     estimates, sampling, status_codes, num_solved, slopes = (
         np.stack(arrays) for arrays in zip(*(_stack_motions(values, grid.motions) for values in tables), strict=True)
     )
-    # Combined intervals exist only for the kind of member (positions or surrogates) whose result is reported.
-    # Combined intervals also require a mean over all directions.
+    # There are combined intervals only for the reported kind of member (positions or surrogates),
+    # and only for the mean over all directions.
     has_combined = np.zeros((len(tables), len(grid.motions)), bool)
     has_combined[0] = [len(motion) == len(grid.motions[0]) for motion in grid.motions]
     estimates[
@@ -127,7 +127,7 @@ def evaluate_measured_report(grid: ReportGrid) -> ReportValuesOfMeasuredSurfaces
 
 
 def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDArray[Any]]:
-    """Return coefficients, means, status codes, member counts and small-slope estimates for groups of directions.
+    """Return arrays of coefficients, means, status codes, member counts and small-slope estimates per direction group.
 
     The arrays have one index for each group of directions in `motions`.
     """
@@ -159,7 +159,7 @@ def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDA
 
 
 def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.intp]:
-    """Return the status code of each coefficient that is averaged over directions (axis 2 of `statuses`)."""
+    """Return the status code of each mean coefficient, from the statuses of the averaged directions (axis 2)."""
     bulk_shear_code = STATUSES_BY_CODE.index(friction.STATUS_BULK_SHEAR)
     codes = np.select([statuses == name for name in STATUSES_BY_CODE], range(len(STATUSES_BY_CODE)))
     lowest_codes = np.where(codes == 0, len(STATUSES_BY_CODE), codes).min(axis=2)
@@ -223,7 +223,7 @@ class ReportValuesOfGeneratedSurfaces:
 
     @property
     def assessments(self) -> list[str]:
-        """Assessment, such as "Do not quote", for each element of `caveat_sets`."""
+        """Assessments such as "Do not quote", one for each set of caveats in `caveat_sets`."""
         return [assess_caveats(caveats) for caveats in self.caveat_sets]
 
 
@@ -297,7 +297,7 @@ def _find_unloaded_points(table: xarray.Dataset, statuses: NDArray[Any]) -> NDAr
 def _compute_checked_numbers(
     table: xarray.Dataset, estimates: dict[str, Floats], study: Study, num_members: int
 ) -> dict[str, Any]:
-    """Compute the quantities that the assessment of generated surfaces compares with limits: arrays keyed by name."""
+    """Compute the quantities that the assessment of generated surfaces compares with limits, as arrays by name."""
     mu0, tau0 = (_order_dimensions(table[name]) for name in ("mu0", "tau0"))
     area = estimates["area"][..., 0]
     surfaces: Any = study.surfaces
@@ -314,14 +314,14 @@ def _compute_checked_numbers(
 
 
 def _broadcast_means(table: xarray.DataArray, shape: tuple[int, ...]) -> Floats:
-    """Broadcast the means of a quantity to the shape of report arrays; the table may also contain intervals."""
+    """Return the means of a quantity, without interval limits, broadcast to the shape of the report's arrays."""
     return np.broadcast_to(
         _order_dimensions(table.sel(statistic="mean") if "statistic" in table.dims else table), shape
     )
 
 
 def _order_dimensions(table: xarray.DataArray) -> Floats:
-    """Convert a table to an array whose first axes are `DIMENSIONS_OF_REPORT_ARRAYS`.
+    """Convert a data array to an array whose first axes are the dimensions `DIMENSIONS_OF_REPORT_ARRAYS`.
 
     A missing dimension gets length 1.
     """

@@ -157,7 +157,7 @@ class PointSummary:
 
     @property
     def are_strengths_separated(self) -> bool:
-        """True if mu0 and tau0 are known separately; friction tests may determine only the sum mu0 + tau0 A/F."""
+        """True if mu0 and tau0 are known separately, and not only their sum mu0 + tau0 A/F from friction tests."""
         return are_strengths_separated(self.study, self.at)
 
     @property
@@ -270,7 +270,7 @@ class PointSummary:
 
     @property
     def load_definition_effect(self) -> float:
-        """Largest relative difference between the coefficients for two definitions of the load, or NaN if unknown."""
+        """Largest relative difference between the coefficients for two definitions of the load; NaN if unknown."""
         return self.numbers.get("load_definition_effect", math.nan)
 
     @property
@@ -372,7 +372,7 @@ class Summary:
 
     @property
     def _points_at_cutoffs(self) -> xarray.Dataset | None:
-        """Friction at several cutoffs, from the result or its cutoff study; None if neither has several cutoffs."""
+        """Friction at several cutoffs, from the result or its cutoff study; None if both have only one cutoff."""
         points = self.at if self.at.sizes.get("cut_off", 0) > 1 else self.values_at_cutoffs
         return None if points is None else sort_sliding_rules(points, self.study)
 
@@ -383,7 +383,7 @@ class Summary:
 
     @property
     def reported_points(self) -> list[PointSummary]:
-        """Result points for output, without points at a second cutoff, which the intervals of other points include."""
+        """Result points that output shows: points at the reported cutoff; their intervals include the other cutoff."""
         return [point for point in self.points if not point.covered]
 
     @property
@@ -426,7 +426,7 @@ def summarize(
 
 
 def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates: Mapping[str, float]) -> bool:
-    """Return whether the coefficient at a result point has an interval in every alternative preparation of scans."""
+    """Return whether the coefficient at a result point has an interval with each alternative scan preparation."""
     return all(
         point.rules[0].has_interval
         for alternative in alternatives.values()
@@ -436,7 +436,7 @@ def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates
 
 
 def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, alternative: Summary) -> PointSummary:
-    """Add to a result point the faults (severe caveats) that appear only with an alternative preparation of the scans.
+    """Add to a result point the severe caveats that occur only with an alternative preparation of the scans.
 
     Without these faults, errors of a scan could improve an assessment. For example, spikes hold two bodies apart, so
     that more contacts carry the load.
@@ -455,12 +455,12 @@ def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, a
 
 
 def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
-    """Widen the intervals at the reported cutoff so that they include the intervals at the other cutoff.
+    """Widen the intervals of the points at the reported cutoff to include the intervals at the other cutoff.
 
     The returned list begins with the points at the reported cutoff. The points at the other cutoff are marked as
     covered.
     """
-    # The first point has the reported coefficient, whose interval covers the points at a different cutoff.
+    # The first point is at the reported cutoff. The interval of its coefficient covers the points at the other cutoff.
     cut_off = points[0].at["cut_off"]
     points_at_other_cutoff = {
         _get_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off
@@ -476,12 +476,12 @@ def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
 
 
 def _get_coordinates_without_cutoff(point: PointSummary) -> tuple[tuple[str, float], ...]:
-    """Return the coordinates of a result point except its cutoff, as pairs of name and value."""
+    """Return names and values of a result point's coordinates, except the cutoff."""
     return tuple(item for item in point.at.items() if item[0] != "cut_off")
 
 
 def _extend_point_to_other_cutoff(point: PointSummary, other_point: PointSummary) -> PointSummary:
-    """Return a result point at the reported cutoff, whose intervals and caveats also cover another cutoff.
+    """Widen the intervals of a result point at the reported cutoff, and add its caveats, to include another cutoff.
 
     Filtering does not improve an assessment, so a fault at the other cutoff is also a fault of the reported point.
     """
@@ -516,7 +516,7 @@ def _extend_point_to_other_cutoff(point: PointSummary, other_point: PointSummary
 
 
 def _build_entry_of_possible_noise(point: PointSummary) -> UncertaintyBudgetEntry:
-    """Return the uncertainty budget's row for possible noise, with the interval at the reported cutoff alone."""
+    """Return the row for possible noise in the uncertainty budget: the interval without results at the other cutoff."""
     width = point.upper - point.lower
     return UncertaintyBudgetEntry(
         point.value, point.lower, point.upper, name="remaining_interval", kind="conditional",
@@ -527,7 +527,7 @@ def _build_entry_of_possible_noise(point: PointSummary) -> UncertaintyBudgetEntr
 def _extend_value_to_other_cutoff(
     value: SlidingRuleCoefficient, other_value: SlidingRuleCoefficient
 ) -> SlidingRuleCoefficient:
-    """Widen the intervals of a coefficient so that they include the intervals of the coefficient at another cutoff."""
+    """Widen the intervals of a coefficient to include the intervals of the same coefficient at another cutoff."""
     return replace(
         value.extended_to(other_value),
         prediction_interval=value.prediction_interval.extended_to(other_value.prediction_interval),
@@ -607,7 +607,7 @@ def assess_coefficients(at: xarray.Dataset, study: Study) -> xarray.DataArray:
 
 
 def _find_reported_status(coefficient: SlidingRuleCoefficient) -> str:
-    """Return the status of a coefficient that is NaN or only a lower limit, and "ok" for all other coefficients."""
+    """Return the status of a coefficient if the coefficient is NaN or only a lower limit, and "ok" otherwise."""
     has_status = math.isnan(coefficient.value) or coefficient.status == friction.STATUS_BULK_SHEAR
     return coefficient.status if has_status else friction.STATUS_OK
 
@@ -645,7 +645,7 @@ def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoef
 
 
 def _find_first_failure(table: xarray.Dataset) -> str:
-    """Return "ok" if all directions have the status "ok", or else the alphabetically first other status."""
+    """Return "ok" if all directions have this status, or else the alphabetically first of their other statuses."""
     statuses = np.unique(table["status"].values).tolist()
     return next((str(status) for status in statuses if status != friction.STATUS_OK), friction.STATUS_OK)
 
@@ -656,7 +656,7 @@ def _is_outside_asperity_model(table: xarray.Dataset) -> bool:
 
 
 def _read_coefficients(table: xarray.Dataset, name: str, dimension: str) -> dict[float, Estimate]:
-    """Return the estimates of a quantity along a dimension, keyed by coordinate; {} if the dimension is absent."""
+    """Return the estimates of a quantity along a dimension, keyed by coordinate; empty if the dimension is missing."""
     return read_estimates_along(table[name], dimension) if name in table and dimension in table[name].dims else {}
 
 
@@ -715,7 +715,7 @@ def _compute_friction_contributions(
 
 
 def has_central_value(study: Study, coordinates: Mapping[str, Any], name: str) -> bool:
-    """Return whether mu0 or tau0 at a result point equals the central value of the first mu0 or tau0 in the study."""
+    """Return whether mu0 (or tau0) at a result point equals the study's first mu0 (or tau0), at its central value."""
     return math.isclose(coordinates[name], float(getattr(study.friction, name)[0]), rel_tol=1e-3)
 
 
@@ -726,13 +726,13 @@ def has_values_of_interface(study: Study, coordinates: Mapping[str, Any]) -> boo
 
 
 def are_strengths_separated(study: Study, coordinates: Mapping[str, Any]) -> bool:
-    """Return whether mu0 and tau0 are known separately; friction tests may determine only the sum mu0 + tau0 A/F."""
+    """Return whether mu0 and tau0 are known separately, and not only their sum mu0 + tau0 A/F from friction tests."""
     interface = find_interface(study) if has_values_of_interface(study, coordinates) else None
     return interface is None or interface.separated
 
 
 def _get_point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, float]:
-    """Return the coordinates of a result point by name, including the Hurst exponent of self-affine surfaces."""
+    """Return the coordinates of a result point by name; self-affine surfaces also have the Hurst exponent."""
     coordinates = {
         name: read_number(point, name) for name in (*CELL_DIMENSIONS, "load", "mu0", "tau0") if name in point.coords
     }
@@ -765,7 +765,7 @@ def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: 
 
 
 def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
-    """Return whether a caveat invalidates the bounds on the friction that finer scans would give.
+    """Return whether the bounds on the friction of finer scans are invalid because of a caveat.
 
     Every fault invalidates the bounds, except too few contacts per member.
     """
@@ -775,7 +775,7 @@ def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
 def _find_bounds_for_finer_scans(
     point: xarray.Dataset, study: Study, coefficient: SlidingRuleCoefficient
 ) -> tuple[float, float] | None:
-    """Return the lowest and the highest coefficient that finer scans can give, to second order in the slope.
+    """Return lower and upper bound on the coefficient that finer scans can give, accurate to second order in the slope.
 
     The upper bound is the upper limit of the interval, plus an allowance for load that shorter wavelengths shift
     between contacts of different members. No bounds exist if the interface of contacts that yield is stronger than the
