@@ -49,7 +49,7 @@ def assessment_paragraph(
 
 
 def _common_assessment_text(points: Sequence[PointSummary]) -> str:
-    """Return the assessment that all result points share and, for a single point, the most useful measurement."""
+    """Return the common assessment of result points; for a single point, add the measurement that would help most."""
     point = points[0]
     if point.is_unloaded:
         return f"{point.assessment} a coefficient"
@@ -99,7 +99,7 @@ def _merge_caveats(group: Sequence[Caveat]) -> Caveat:
 
 
 def _number_with_unit(number: tuple[str, str]) -> float:
-    """Convert a number with a unit, both as text, to a number in the unit without prefix (as from kPa to Pa)."""
+    """Convert a number with a unit (two texts) to a number in the unit without prefix, as from kPa to Pa."""
     unit = number[1].strip()
     return float(number[0]) * (_PREFIX_FACTORS.get(unit[0], 1.0) if len(unit) > 1 and unit not in ("Pa", "m²") else 1.0)
 

@@ -54,7 +54,7 @@ UNLIMITED_PREDICTION_TEXT = (
 
 @dataclass(frozen=True)
 class WantedPairPrediction:
-    """Predicted coefficients of a wanted pair at all study loads, and at the first load after further friction tests.
+    """Coefficients predicted for the requested pair at all study loads, with plans of further friction tests.
 
     `points` has the text of each load, and the coefficient with its interval. `caveats` are texts about inputs of the
     pair that the tests also have, but with other ranges.
@@ -123,7 +123,7 @@ def calibration_text(
 
 
 def _plan_conditions_text(interface: Interface) -> str:
-    """Return a sentence on error and loads of the further tests in a table of plans."""
+    """Return a sentence on the error and the loads of the further tests that the table of plans lists."""
     conditions = find_plan_conditions(interface)
     reason = "the median of your tests" if conditions.is_error_known else "because the errors of your tests are unknown"
     low, high = conditions.ball_area_per_load
@@ -134,7 +134,7 @@ def _plan_conditions_text(interface: Interface) -> str:
 
 
 def _describe_prediction(interface: Interface, prediction: WantedPairPrediction) -> Iterator[str]:
-    """Yield the predicted coefficients, and a table of further tests by the interval that they would leave."""
+    """Yield the predicted coefficients, and a table of plans of further tests with the resulting intervals."""
     rule, (load, first_coefficient) = SLIDING_RULE_DESCRIPTIONS[interface.fits[0].sliding], prediction.points[0]
     for text, limits in prediction.points:
         yield f"predicted at {text}: μ_s = {Estimate(*limits)}  {rule}"
@@ -148,7 +148,7 @@ def _describe_prediction(interface: Interface, prediction: WantedPairPrediction)
 
 
 class TestedPairFault(NamedTuple):
-    """Fault of a tested pair that makes A/F of its tests wrong; `place` names the pair and the loads of the tests."""
+    """Fault of a tested pair, because of which A/F of the tests is wrong; `place` names the pair and the test loads."""
 
     place: str
     text: str
@@ -188,7 +188,7 @@ def list_lay_notes(name: str, result: Evaluation) -> list[str]:
 
 
 def _area_per_load_text(interface: Interface) -> str:
-    """Return a sentence on the ratio A/F in the tests: its mean with interval, and its range."""
+    """Return a sentence on the true area per load A/F of the tests: mean with interval, and range."""
     ratios = np.array([test[0] for test in interface.tests])
     value, low, high = interface.tested_area_per_load
     is_exact = math.isnan(low) or high - low <= MIN_PRINTED_AREA_PER_LOAD_RANGE * value
@@ -224,7 +224,7 @@ def _describe_unseparated_mu0_tau0(interface: Interface) -> Iterator[str]:
 
 
 def _find_ends_of_strengths(interface: Interface) -> tuple[tuple[str, str], tuple[str, str]]:
-    """Return the medians of mu0 and tau0 as text, first for the lowest tau0, then for the lowest mu0 that tests allow.
+    """Return mu0 and tau0 as text at both ends of the range that the tests allow: lowest tau0, then lowest mu0.
 
     The samples at an end have tau0 = 0 or mu0 = 0. If the tests exclude this value, the samples are the 5 % with the
     lowest tau0 or mu0, whose median is the lower limit of an interval with 95 % of all samples.

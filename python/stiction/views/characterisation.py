@@ -39,7 +39,7 @@ _MIN_PEAK_DENSITY_RATIO = 3.0
 _MIN_LONGER_WAVELENGTHS = 4
 # Minimum contribution of a reported peak to the fourth spectral moment, as a fraction.
 _MIN_PEAK_MOMENT_FRACTION = 0.1
-# The scatter of a spectrum about its fit is reported if its variance is more than this multiple of the expected one.
+# The scatter of a spectrum about its fit is reported if its variance exceeds this multiple of the expected variance.
 _MIN_REPORTED_DISPERSION = 2.0
 
 # Units in printed tables. The key is the unit in JSON.
@@ -49,7 +49,7 @@ _JSON_UNIT_EXCEPTIONS = {"": "1"}
 
 
 class TableRow(NamedTuple):
-    """Row of a characterisation table: label, one text (or one each for x and y), and numbers for JSON and CSV."""
+    """Row of a characterisation table: label, text (or two texts, for x and y), and numbers for JSON and CSV."""
 
     label: str
     texts: tuple[str, ...]
@@ -308,7 +308,7 @@ class CharacterisationTable:
         return rows
 
     def _density_ratio_at_longest_wavelength(self, longest: float) -> float:
-        """Return the spectral density near `longest` (µm), divided by the density at longer wavelengths.
+        """Return the mean spectral density near the wavelength `longest` (µm), relative to that at longer wavelengths.
 
         The ratio is 0 if the spectrum has too few longer wavelengths.
         """

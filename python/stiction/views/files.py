@@ -35,7 +35,7 @@ OUTPUT_FILE_SIGNATURES = {
 
 
 def check_all_replaceable(directory: Path, file_marks: Mapping[str, bytes]) -> None:
-    """Raise a `ValueError` if an existing file lacks the mark by which stiction recognises files that it wrote."""
+    """Raise a `ValueError` if a file to be replaced exists without the mark that stiction writes to its files."""
     for name, file_mark in file_marks.items():
         check_replaceable(directory / name, file_mark, ValueError)
 
@@ -119,7 +119,7 @@ def write_joint_table(
     """
     check_joint_file(path, units)
     table = result.joint_table(load, units=units, closure_from=closure_from)
-    # The sentence describes the pair at a load of the table.
+    # The sentence describes the pair at the reference load of the table.
     sentence = quotable_sentences(result.summary([table.reference.load]))[0]
     write_new_text_file(path, JOINT_FORMATS[path.suffix.lower()][1](table, sentence))
 
@@ -140,7 +140,7 @@ def write_shear_parameters(test: xarray.Dataset, path: Path, units: UnitSystem =
 
 
 def check_joint_file(path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> None:
-    """Check file name and units for a joint table, before the table is computed.
+    """Check the file name and the units of a joint table before the table is computed.
 
     Raises the same errors as `write_joint_table`.
     """

@@ -213,7 +213,7 @@ def liggghts_card(table: JointTable, source: str) -> str:
 
 
 def _list_curve(table: JointTable) -> list[tuple[Estimate, Estimate]]:
-    """Return the points (pressure, closure) of the curve that a card contains after the origin.
+    """Return the points (pressure, closure) of a card's curve, except the origin.
 
     Other programs require increasing closures. If the closure is counted from a pressure, a straight line leads from
     the origin to this pressure, so that the curve has no soft start. The closures of the curve then exceed those of the
@@ -231,7 +231,7 @@ def _list_curve(table: JointTable) -> list[tuple[Estimate, Estimate]]:
 
 
 def _find_start_closure(table: JointTable) -> float:
-    """Return the closure of a straight line from the origin to the pressure from which closures are counted.
+    """Return the closure at the end of the straight line with which a card's curve begins, or 0 without a line.
 
     The line has the stiffness of closure at this pressure. The closure is 0 for closures since first contact.
     """
@@ -240,7 +240,7 @@ def _find_start_closure(table: JointTable) -> float:
 
 
 def _describe_curve_start(table: JointTable) -> str:
-    """Return the sentence that describes the curve of a card below its first pressure."""
+    """Return a sentence on the shape of a card's curve between the origin and the first pressure."""
     start_closure = _find_start_closure(table)
     if start_closure == 0:
         return "Below the first pressure the curve is a straight line."

@@ -66,7 +66,7 @@ def terminal_width() -> int:
 
 
 def format_paragraphs(paragraphs: Iterable[Paragraph]) -> str:
-    """Return paragraphs as one text that fits the width of the terminal, separated by empty lines."""
+    """Format paragraphs for the width of the terminal, and join them with empty lines in between."""
     return "\n\n".join(filter(None, map(format_paragraph, paragraphs)))
 
 

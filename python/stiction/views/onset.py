@@ -78,7 +78,7 @@ def onset_note(onset: OnsetSummary, study: Study) -> str:
 
 
 def _law_text(study: Study) -> str:
-    """Return a sentence if the onset of sliding uses Hertzian stiffness with another contact law, or "" otherwise."""
+    """Return a sentence on the Hertzian stiffness of the onset if the study has another contact law, or else ""."""
     contact: Any = study.contact
     if study.uses_half_space:
         return ""

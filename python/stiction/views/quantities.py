@@ -43,7 +43,7 @@ class QuantityRow:
 
 
 def quantities_paragraph(points: Sequence[PointSummary], *, verbose: bool = False, cell: str = "") -> Paragraph:
-    """Return the quantities under the reported sliding rule, with 95 % intervals, as a sentence or as a table.
+    """Return all quantities of result points with 95 % intervals, as a sentence (one point) or as a table.
 
     A single result point gives a sentence or, if `verbose` is True or the surfaces are generated, a table with one row
     per quantity. Several points give a table with one row per point. `cell` starts the heading of the first column.
@@ -69,7 +69,7 @@ def quantities_paragraph(points: Sequence[PointSummary], *, verbose: bool = Fals
 
 
 def _select_rows(points: Sequence[PointSummary], *, verbose: bool, is_sentence: bool) -> Iterator[QuantityRow]:
-    """Yield each quantity to print with its estimates at all result points."""
+    """Yield one row for each quantity to print, with the estimates at all result points."""
     first_point = points[0]
     has_pull_off_bound = first_point.pull_off is not None and first_point.pull_off.is_bound
     for name in _list_printed_quantities(first_point, verbose=verbose, is_sentence=is_sentence):
@@ -114,7 +114,7 @@ def percent_text(fraction: float) -> str:
 
 
 def _find_quantile(point: PointSummary, name: str, fraction: float) -> Estimate:
-    """Return the stored quantile of a distribution at the probability closest to `fraction`."""
+    """Return the stored quantile of a distribution whose probability is closest to `fraction`."""
     quantiles = point.distributions[name]
     return quantiles[min(quantiles, key=lambda fraction_below: abs(fraction_below - fraction))]
 
@@ -136,7 +136,7 @@ def quantity_label(name: str, study: Study) -> str:
 
 
 def _format_row(row: QuantityRow, *, is_sentence: bool) -> list[str]:
-    """Return label, unit and numbers of a table row as texts, in the unit for which the numbers have the fewest zeros.
+    """Return label, unit and numbers of a table row as texts, in a prefixed unit that suits the size of the numbers.
 
     A missing interval is stated only in tables.
     """

@@ -36,7 +36,7 @@ def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None, 
 
 
 def resolved_wavelengths_text(scan: ResolvedRoughness) -> str:
-    """Return a sentence on the resolved wavelengths, and on the mean square slope in the shortest octave."""
+    """Return a sentence on the resolved wavelengths, and on the mean square slope from the shortest octave."""
     fraction = format_percent(scan.shortest_octave_fraction)
     return (
         f"Wavelengths from {format_with_unit(scan.shortest, 'um')} to {format_with_unit(scan.longest, 'um')}; "
@@ -49,7 +49,7 @@ def resolved_wavelengths_text(scan: ResolvedRoughness) -> str:
 
 
 def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> TextRows:
-    """Return a table of friction at each cutoff, for the first load, mu0 and tau0 of the study.
+    """Return the rows of a table of friction at each cutoff, for the study's first load, mu0 and tau0.
 
     The last row is the plastic limit if there is a hardness (GPa).
     """

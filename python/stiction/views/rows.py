@@ -70,7 +70,7 @@ _DIRECTION_LABEL_FORMATTERS = {"axis": "along {:g}".format, "direction": "{:g}".
 
 
 def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
-    """Return a data frame with one row per number in a dataset: name, number, interval, status and coordinates.
+    """Return a data frame with one row per number in a dataset: name, value, interval, status and coordinates.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
 
 
 def _quantity_columns(dataset: xarray.Dataset, name: str) -> dict[str, Any]:
-    """Return a quantity's data-frame columns, keyed by name: arrays, or single entries that apply to all rows.
+    """Return the data-frame columns of a quantity by name; a single entry instead of an array holds for all rows.
 
     The columns are created from NumPy arrays, because xarray datasets are ten times slower.
     """
@@ -114,7 +114,7 @@ def _quantity_columns(dataset: xarray.Dataset, name: str) -> dict[str, Any]:
     shape = tuple(dataset.sizes[dim] for dim in dims)
 
     def broadcast_to_rows(variable: xarray.Variable) -> Any:
-        """Broadcast a variable to the rows of the data frame, and return the flattened array."""
+        """Broadcast a variable to all rows of the data frame, and return a flat array."""
         values = variable.transpose(*(dim for dim in dims if dim in variable.dims)).values
         slices = tuple(slice(None) if dim in variable.dims else None for dim in dims)
         return np.broadcast_to(values[slices], shape).ravel()
@@ -166,7 +166,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
     frames: list[pandas.DataFrame] = []
     for name, motion_label in _COEFFICIENT_COLUMNS.items():
         if name not in dataset or (name != "mean_friction" and frames and motion_label not in dataset[name].dims):
-            # If there is only one direction, its coefficients equal the mean over all directions.
+            # With a single direction, the coefficients by direction equal the mean coefficients, and get no columns.
             continue
         selected_rows = _quantity_rows(dataset, name)
         coordinate_names = coordinate_names or [
@@ -217,7 +217,7 @@ def _merge_quantities(
     import pandas
 
     titles = [str(name) for name in table]
-    # Columns of all quantities. The key contains the names of the columns that identify the rows of these quantities.
+    # Columns of the quantities. The key is the tuple of the names of the columns that identify a row, such as the load.
     columns_by_keys: dict[tuple[str, ...], list[dict[str, Any]]] = {}
     for name in _csv_quantities(dataset):
         rows = _quantity_columns(dataset, name)
@@ -239,7 +239,7 @@ def _merge_quantities(
 
 
 def _csv_quantities(dataset: xarray.Dataset) -> list[str]:
-    """Return the names of the quantities in a CSV file, without quantities that depend on the direction."""
+    """Return the names of the quantities in a CSV file; quantities that depend on the direction are left out."""
     return [
         name
         for name in quantity_names_shown_in("csv")
@@ -248,7 +248,7 @@ def _csv_quantities(dataset: xarray.Dataset) -> list[str]:
 
 
 def _build_coefficient_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return columns keyed by title: coefficients after each dwell time, and the contribution of roughness to mu_s.
+    """Return columns, keyed by title, of the coefficient after each dwell time and of the roughness contribution.
 
     Each column has one number per result point and sliding rule, which is NaN for all rules except the reported rule.
     """
@@ -297,7 +297,7 @@ def _list_assumptions_in_file(point: PointSummary) -> list[str]:
 
 
 def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return the columns with the longest cutoff (µm) of each body, or {} if both bodies have equal cutoffs."""
+    """Return columns with the longest cutoff (µm) of each body; no columns if both bodies have equal cutoffs."""
     cutoffs = [tuple(map(max, point.cutoffs)) if point.cutoffs is not None else (0.0, 0.0) for point in points]
     if all(upper == lower for upper, lower in cutoffs):
         return {}

@@ -71,7 +71,7 @@ def quotable_sentence(point: PointSummary) -> str:
     if point.assessment == "Do not quote":
         fault_texts = "; ".join(caveat.text for caveat in point.faults)
         return f"There is no coefficient to quote at {inputs_text(point)}: {fault_texts}."
-    # An interface was calibrated for one sliding rule, so the coefficient under the other rule is left out.
+    # An interface was calibrated for one sliding rule, so only the coefficient under this rule is stated.
     rules = point.rules[:1] if point.has_values_of_interface else point.rules
     coefficients_text = ", ".join(f"{rule} with {SLIDING_RULE_DESCRIPTIONS[rule.rule]}" for rule in rules)
     sentence_parts = [f"μ_s = {coefficients_text}, at {inputs_text(point)}", result_point_note(point)]
@@ -208,7 +208,7 @@ def area_loss_text(study: Study, loss: UncertainInput) -> str:
 
 
 def _input_range_text(point: PointSummary, name: str) -> str:
-    """Return the range of mu0 or tau0 in brackets, or "" if the input is exact or differs from its central value."""
+    """Return the range of mu0 or tau0 in brackets; "" if the input is exact, or if the point has another value."""
     entry = Inputs.from_study(point.study).uncertain.get(name)
     return f" ({entry.estimate.text})" if entry is not None and has_central_value(point.study, point.at, name) else ""
 
@@ -242,7 +242,7 @@ def strength_note(point: PointSummary) -> str:
 
 
 def possible_zeros_text(interface: InterfaceStrength, conjunction: str) -> str:
-    """Return the zeros that the tests of an interface do not exclude as text: "μ0 = 0", "τ0 = 0", both, or ""."""
+    """Return as text which of μ0 and τ0 can be 0 according to the tests: "μ0 = 0", "τ0 = 0", both, or ""."""
     symbols = {"mu0": "μ0", "tau0": "τ0"}
     return conjunction.join(f"{symbols[name]} = 0" for name in interface.possible_zeros)
 
@@ -268,7 +268,7 @@ _LOAD_DEFINITION_TEXTS = {
 
 
 def result_point_note(point: PointSummary) -> str:
-    """Return a note on averaged directions and members, the number of scans, and the definition of the load."""
+    """Return a note on a result point: averaged directions and members, number of scans, definition of the load."""
     study, items = point.study, []
     if study.surfaces.press == "lines" and len(point.directions) == 2:
         items.append("the mean over both directions")
@@ -416,7 +416,7 @@ def _are_finer_scans_relevant(point: PointSummary) -> bool:
 
 
 def roughness_text(point: PointSummary) -> str:
-    """Return a sentence on the contribution of roughness to friction, and on the inputs that determine the remainder.
+    """Return a sentence on the contribution of roughness to friction, and on the inputs that give the rest.
 
     The text is empty if the contribution is unknown.
     """

@@ -41,14 +41,14 @@ MIN_PRINTED_ANGLE_RANGE = 1.0
 MAX_EDGE_LOAD_FRACTION = 0.2
 # A shear test gets a caveat if yielded points carry more than this fraction of the load.
 MAX_YIELDED_LOAD_FRACTION = 0.5
-# A shear test whose peak comes before any displacement gets a caveat if more than this fraction of the overlap is in
-# contact.
+# If the peak comes before any displacement, a shear test gets a caveat if contacts cover more than this fraction of the
+# overlap.
 MAX_INITIAL_AREA_FRACTION = 0.5
 # Largest peak friction coefficient that Barton and Choubey (1977) recommend for use in design.
 MAX_DESIGN_PEAK_COEFFICIENT = math.tan(math.radians(70))
-# Registered faces get a caveat if their rms gap exceeds both limits.
-# One limit is a multiple of the gap's noise, the other a fraction of (Z2) · (sampling interval).
-# Faces fit perfectly if the rms gap is below the same fraction of (mean rising slope) · (first displacement).
+# Registered faces get a caveat if their rms gap exceeds two limits:
+# a multiple of the gap's noise, and a fraction of (Z2) · (sampling interval).
+# The fit of the faces is perfect if the rms gap is below this fraction of (mean rising slope) · (first displacement).
 MAX_GAP_NOISE_RATIO, MIN_GAP_TO_HEIGHT_CHANGE_RATIO = 3.0, 0.01
 # Faces get a caveat if the initial correlation between the slopes of both faces is below this number.
 MIN_FIT_CORRELATION = 0.5
@@ -252,7 +252,7 @@ _INTERVAL_LABELS = {
 
 
 def _list_interval_caveats(test: xarray.Dataset) -> list[str]:
-    """Return at most one caveat, about intervals that are open or missing because a contact has no finite solution."""
+    """Return at most one caveat, on intervals that are open or missing because a contact has no finite solution."""
     open_texts = []
     for name, (label, points) in _INTERVAL_LABELS.items():
         if f"{name}_interval" not in test:
@@ -413,7 +413,7 @@ def _registration_text(attributes: Mapping[Any, Any]) -> str:
 
 
 def _select_rows(test: xarray.Dataset, *, verbose: bool) -> list[int]:
-    """Return the indices of the displacements to print: all, or evenly spaced displacements and the peak."""
+    """Return the indices of the displacements to print: all or, if there are many, evenly spaced ones and the peak."""
     count = test.sizes["displacement"]
     if count <= MAX_PRINTED_DISPLACEMENTS or verbose:
         return list(range(count))
@@ -510,7 +510,7 @@ def describe_inputs(test: xarray.Dataset) -> dict[str, Any]:
 
 
 def _list_parameter_rows(test: xarray.Dataset, units: UnitSystem) -> list[dict[str, Estimate]]:
-    """Return the joint-model parameters at each normal stress, in a unit system: one dictionary per normal stress."""
+    """Return the joint-model parameters in a unit system, as one dictionary per normal stress."""
     parsed_units = JointUnits.parse(units)
     rows = [
         {

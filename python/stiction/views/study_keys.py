@@ -129,7 +129,7 @@ def _models_with_key(
     section_classes: Sequence[type[values.SettingsSection]],
     base_classes: Sequence[type[values.SettingsSectionVariant]],
 ) -> list[str]:
-    """Return descriptions of the sections in which a key is allowed, one per section class.
+    """Return descriptions of the sections in which a key is allowed: one phrase per class of section.
 
     If all subclasses of a base class have the key, the description of the base class replaces their descriptions.
     """
@@ -220,7 +220,7 @@ def _allowed_values_text(key: str, field_info: Any) -> str:
 
 
 def _accepts_type(annotation: Any, kind: type) -> bool:
-    """Return whether a type annotation is a given type or contains it."""
+    """Return whether `kind` is a type annotation, or one of the types in this annotation."""
     return kind in (annotation, get_origin(annotation)) or any(
         _accepts_type(argument, kind) for argument in get_args(annotation)
     )
@@ -236,7 +236,7 @@ def markdown_row(cells: Sequence[str]) -> str:
 
 
 def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> list[str]:
-    """Return a phrase for each alternative that a type annotation allows as a value."""
+    """Return a phrase for each kind of value that a type annotation allows, such as "a length"."""
     for quantity_type, phrases in _QUANTITY_RANGE_TEXTS:
         if annotation is quantity_type or any(item in metadata for item in quantity_type.__metadata__[:1]):
             return [phrases]
@@ -256,7 +256,7 @@ def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> lis
         for singular_phrase, plural_phrase in _NUMBER_LIST_TEXTS:
             text = text.replace(singular_phrase, plural_phrase)
         return [f"a list of {text}" if Ellipsis in get_args(annotation) else f"a list of {len(items)} {text}"]
-    # This case is an alias of `Annotated`.
+    # The annotation is an alias of `Annotated`.
     if hasattr(annotation, "__metadata__"):
         return _allowed_value_phrases(annotation.__origin__, annotation.__metadata__)
     # The annotation is a union.
@@ -281,7 +281,7 @@ _BOUND_WORDS = {"ge": "from", "gt": "above", "le": "to", "lt": "to below"}
 
 
 def _flatten_constraints(metadata: Sequence[Any]) -> list[Any]:
-    """Return all constraints in the metadata of a type annotation, including those inside a `Field`."""
+    """Return all constraints in the metadata of a type annotation, including constraints inside a pydantic `Field`."""
     return [part for item in metadata for part in (item, *getattr(item, "metadata", ()))]
 
 

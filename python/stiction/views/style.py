@@ -100,7 +100,7 @@ def new_figure(height: float, *, width: float = COLUMN_WIDTH, layout: Any = "con
 
 
 def place_axes(figure: Figure) -> None:
-    """Position the axes of a figure once with its layout engine, and then remove the engine.
+    """Place the axes of a figure with its layout engine, and remove the engine from the figure.
 
     With an engine, even the placeholder "none", `savefig` would draw the figure twice.
     """
@@ -126,7 +126,7 @@ def literal_text(text: str) -> str:
 
 
 def fractal_dimension_colours(dimensions: ArrayLike) -> Floats:
-    """Return one curve colour for each fractal dimension: viridis without its yellow end."""
+    """Return a colour for each fractal dimension, from the colour map viridis without yellow."""
     from matplotlib import colormaps
 
     return np.asarray(colormaps["viridis"](np.linspace(0, 0.8, np.size(dimensions))))

@@ -159,7 +159,7 @@ def main_values_text(
 
 
 def combined_intervals_note(point: PointSummary) -> str:
-    """Return the note above tables of quantities that states which intervals include the uncertain inputs."""
+    """Return a note, printed above tables of quantities, on which intervals include the uncertain inputs."""
     if "friction_combined" not in point.values:
         return "Intervals in the following tables are 95 % intervals of the mean for exact inputs."
     alternatives = " and alternative preparations of the scans" if point.values.attrs.get("alternatives") else ""
@@ -302,7 +302,7 @@ def _select_printed_points(points: Sequence[PointSummary]) -> Sequence[PointSumm
 
 
 def _select_points_of_first_cell(points: Sequence[PointSummary], loads: Collection[float]) -> list[PointSummary]:
-    """Return the result points at given loads (mN) that have the same surfaces, mu0 and tau0 as the first point."""
+    """Return the result points with the surfaces, mu0 and tau0 of the first point, at the given loads (mN)."""
     first_coordinates = points[0].at.items()
     return sorted(
         (
@@ -316,7 +316,7 @@ def _select_points_of_first_cell(points: Sequence[PointSummary], loads: Collecti
 
 
 def _first_cell_coordinates_text(points: Sequence[PointSummary]) -> str:
-    """Return the surface coordinates of the first result point as text, as in "H = 0.9".
+    """Return the coordinates of the first result point's surfaces as text, as in "H = 0.9".
 
     Returns "" if all points share these coordinates.
     """
@@ -325,7 +325,7 @@ def _first_cell_coordinates_text(points: Sequence[PointSummary]) -> str:
 
 
 def _list_varying_coordinates(points: Sequence[PointSummary]) -> list[str]:
-    """Return the names of the coordinates that differ between result points; D is omitted if H is given."""
+    """Return the names of the coordinates that vary between result points; H replaces D if both are known."""
     names = [name for name in points[0].at if name != "fractal_dimension" or "hurst_exponent" not in points[0].at]
     return [name for name in names if len({point.at[name] for point in points}) > 1]
 
@@ -378,7 +378,7 @@ def coefficients_paragraph(points: Sequence[PointSummary]) -> Paragraph:
 
 
 def _direction_paragraphs(point: PointSummary, *, verbose: bool) -> list[Paragraph]:
-    """Return a sentence on grooves and, if `verbose`, the coefficients along each axis and in each direction."""
+    """Return a sentence on grooves and, if `verbose`, tables of coefficients by axis and by direction."""
     if not verbose:
         return [grooves_paragraph(point)]
     by_direction = {rule.rule: rule.by_direction for rule in _sort_rules_of_directions(point)}
@@ -389,7 +389,7 @@ def _direction_paragraphs(point: PointSummary, *, verbose: bool) -> list[Paragra
 
 
 def _sort_rules_of_directions(point: PointSummary) -> list[SlidingRuleCoefficient]:
-    """Return a result point's coefficients, one per sliding rule, in the column order of a table of directions.
+    """Return the coefficients of a result point in the column order of a table of directions, one per sliding rule.
 
     The first column is for the rule "all", unless an interface was fitted under the other rule.
     """
@@ -436,7 +436,7 @@ def _grooves_text(by_axis: Mapping[float, Estimate]) -> str:
 def _coefficients_table(
     coefficients: Mapping[str, Mapping[float, Estimate]], format_coordinate: Callable[[float], str]
 ) -> Paragraph:
-    """Return a table of coefficients with intervals of the mean: one row per axis or direction, one column per rule."""
+    """Return a table of coefficients with intervals of the mean, with a row per direction and a column per rule."""
     rows = [
         [
             format_coordinate(coordinate),

@@ -60,7 +60,10 @@ _LUMINANCE_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
 
 
 def heading_lines(points: xarray.Dataset, study: Study) -> list[str]:
-    """Return heading lines: model, rule and direction unless the paper's model is used, and missing repetitions."""
+    """Return the heading lines of a figure: contact model, sliding rule, direction, and missing repetitions.
+
+    Model, rule and direction are left out for the model of the paper.
+    """
     contact = study.contact
     rule = points["sliding"].item() if "sliding" in points.coords else contact.sliding_rules()[0]
     angle = points["direction"].item() if "direction" in points.coords else float(contact.direction_angles()[0])
@@ -88,7 +91,7 @@ def draw_panel_letter(axes: Axes, number: int) -> None:
 def create_figure_with_axes_rows(
     rows: int, height: float, margin_above: float, margin_below: float, *, between: float
 ) -> tuple[Figure, float, Callable[[float, int, float], Axes]]:
-    """Return an empty figure 170 mm wide, the height of the figure (mm), and a function that adds axes to a row."""
+    """Return an empty figure, 170 mm wide, its height (mm), and a function that adds axes to a row of the figure."""
     total_height = margin_above + margin_below + rows * (height + between) - between
     figure = new_figure(total_height, width=PAGE_WIDTH, layout=None)
 
@@ -175,7 +178,7 @@ def format_fractal_dimension_axis(axes: Axes, points: xarray.Dataset, *, last: b
 
 
 def find_fraction_beyond_hertz(points: xarray.Dataset, name: str = "friction_coefficient") -> Floats:
-    """Return the fraction of the load on contacts whose overlap is too large for Hertz theory, at each result point.
+    """Return, at each result point, the fraction of the load on contacts too deep for Hertz theory.
 
     The fraction is NaN in the half-space model, which has no asperities.
     """
@@ -232,7 +235,7 @@ def _draw_colour_bar(figure: Figure, position: tuple[float, float, float, float]
 
 
 def _logarithmic_colour_norm(maps: xarray.Dataset) -> Any:
-    """Return a logarithmic colour scale for the valid coefficients, or for all coefficients if few are valid."""
+    """Return a logarithmic colour scale for the coefficients at which the model is valid; for all if few are valid."""
     coefficients = maps["friction_coefficient"].sel(statistic="mean").values
     is_positive = np.isfinite(coefficients) & (coefficients > 0)
     is_valid = is_positive & ~(find_fraction_beyond_hertz(maps) > MAX_AFFECTED_FRACTION)
@@ -303,7 +306,7 @@ _INVALID_CELL_STYLE: dict[str, Any] = {"facecolor": "none", "edgecolor": "white"
 
 
 def _compute_cell_fading(friction_with_limits: Floats) -> Floats:
-    """Return how much each chart cell is faded: from 0 for a narrow interval to `MAX_FADING` for a wide interval.
+    """Return how far each chart cell's colour fades to grey: 0 (narrow interval) to `MAX_FADING` (wide interval).
 
     The width is divided by the coefficient.
     """
@@ -319,7 +322,7 @@ def _compute_cell_fading(friction_with_limits: Floats) -> Floats:
 
 
 def _fade_colours(colours: Floats, fading: Floats) -> Floats:
-    """Fade colours to grey of the same luminance, so that a faded colour looks like no other colour of the scale."""
+    """Fade colours to greys of equal luminance; a faded colour then equals no other colour of the scale."""
     grey = (colours @ _LUMINANCE_WEIGHTS)[..., np.newaxis]
     fraction = np.asarray(fading)[..., np.newaxis]
     return np.asarray((1 - fraction) * colours + fraction * grey)

@@ -90,7 +90,7 @@ def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
 
 
 def adhesion_figure(branches: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure 80 mm wide: load over approach and over true area, during adhesive loading and unloading.
+    """Draw a figure 80 mm wide: load against approach and true area, during adhesive loading and unloading.
 
     `branches` is `Result.loading_cycle`. The pull-off force is marked.
     """
@@ -162,7 +162,7 @@ MIN_EXTRAPOLATED_TO_CUTOFF_RATIO = 1 / 16
 
 
 def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: ResolutionLimits, x: Floats) -> None:
-    """Draw limits for finer scans behind the curves: plastic limit, Hurst extrapolation, closed-form estimate."""
+    """Draw the limits of friction and area for finer scans: plastic limit, extrapolation, closed-form estimate."""
     if limits.plastic_limit is not None:
         friction, area_fraction = limits.plastic_limit
         friction_axes.axhline(

@@ -117,7 +117,7 @@ def _interpolate_loading_curve(displacement: Floats, load: Floats, max_load: flo
 
 
 def _build_masing_cycle(displacement: Floats, load: Floats, amplitude: float) -> tuple[Floats, Floats]:
-    """Return displacements and loads of a load cycle; each branch is the loading curve doubled (Masing's rule)."""
+    """Return displacements and loads of a load cycle by Masing's rule: each branch is twice the first loading curve."""
     loading = _interpolate_loading_curve(displacement, load, amplitude)
     unloading = loading[0][-1] - 2 * loading[0], loading[1][-1] - 2 * loading[1]
     return np.concatenate([unloading[0], -unloading[0]]), np.concatenate([unloading[1], -unloading[1]])
@@ -192,7 +192,7 @@ def _draw_slip_map(axes: Axes, slip: Floats, box: tuple[float, ...], colour_norm
 
 
 def _densest_contact_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, float, float, float]]:
-    """Return the map window to magnify, around the densest contact points: rows, columns, and edges (µm)."""
+    """Return the part of a slip map to magnify, where contact points are densest: rows, columns, and edges (µm)."""
     is_contact = np.isfinite(onset["slip"].values)
     window_shape = [min(max(length // ZOOM_FACTOR, MIN_ZOOM_SIDE_POINTS), length) for length in is_contact.shape]
     contact_density = is_contact.astype(np.int64)
@@ -207,7 +207,7 @@ def _densest_contact_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice],
 
 
 def _sum_with_triangular_weights(counts: NDArray[np.int64], width: int, axis: int) -> NDArray[np.int64]:
-    """Sum the counts around each element along an axis, with triangular weights.
+    """Return, for each element along an axis, the sum of the counts around it with triangular weights.
 
     The weights fall from `width` to 1, so that a group of counts has its largest sum at its centre. Beyond the edges,
     the counts are 0.

@@ -1,4 +1,4 @@
-"""Selection of a result's figures: those that its study lists, or standard figures for measured surfaces."""
+"""Selection of the figures of a result: figures that the study lists, or standard figures for measured surfaces."""
 
 from __future__ import annotations
 

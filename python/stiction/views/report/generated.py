@@ -133,7 +133,7 @@ def _create_report_arrays(values: ReportValuesOfGeneratedSurfaces) -> dict[str, 
 
 
 def _caveat_number_arrays(values: ReportValuesOfGeneratedSurfaces) -> dict[str, ReportArray]:
-    """Return one array per number in caveat texts, with NaN at result points whose caveats lack the number."""
+    """Return an array for each number that caveats contain: the number at each result point, or NaN without caveat."""
     assessments_by_number: dict[tuple[str, str], list[int]] = {}
     for index, caveats in enumerate(values.caveat_sets):
         for check in filter(_contains_number, caveats):
@@ -148,7 +148,7 @@ def _caveat_number_arrays(values: ReportValuesOfGeneratedSurfaces) -> dict[str, 
 
 
 def _contains_number(reason: Caveat | LimitCheck) -> TypeGuard[LimitCheck]:
-    """Return whether a caveat is a failed check whose text contains a number, which differs between result points."""
+    """Return whether a caveat is a failed check with a number in its text; the number varies between result points."""
     return isinstance(reason, LimitCheck) and "{}" in reason.text
 
 
@@ -190,7 +190,7 @@ def _compute_colour_ranges(values: ReportValuesOfGeneratedSurfaces) -> dict[str,
 
 
 def _choose_initial_cell_and_load(values: ReportValuesOfGeneratedSurfaces, study: Study) -> dict[str, int]:
-    """Return the indices of the surface and the load with the narrowest relative interval, which a page shows first."""
+    """Return the indices of the surface and the load that a page shows first, with the narrowest relative interval."""
     is_valid, points = values.is_valid, values.estimates["friction"]
     strengths = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
     parameter_indices = [axis.find_index(value) for axis, value in zip(values.axes, strengths, strict=True)]
@@ -206,7 +206,7 @@ def _choose_initial_cell_and_load(values: ReportValuesOfGeneratedSurfaces, study
 
 
 def _caveat_or_check_record(reason: Caveat | LimitCheck) -> dict[str, Any]:
-    """Return a caveat or failed check as a record for the page scripts: text, remedy, severity, number name."""
+    """Return a caveat or a failed check for the page scripts: text, remedy, severity, and name of its number."""
     return {
         "text": reason.text, "remedy": reason.remedy, "severity": reason.severity,
         "number": f"number_{reason.shown_name}" if _contains_number(reason) else None,

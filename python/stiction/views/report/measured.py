@@ -118,7 +118,7 @@ def _page_script_data(data: ReportDataOfMeasuredSurfaces, values: ReportValuesOf
 
 
 def _rule_note(study: Study) -> str:
-    """Return a sentence on the sliding rule under which mu0 and tau0 of the study are valid."""
+    """Return a sentence on the sliding rule that belongs to the mu0 and tau0 of the study."""
     if study.friction.interface is None:
         return (
             "If μ0 was measured on smooth surfaces, friction acts at all contacts. "
@@ -211,7 +211,7 @@ def _history_markup(side: str, history: BodyHistory) -> str:
 
 
 def _list_quantity_tables(study: Study, values: ReportValuesOfMeasuredSurfaces) -> list[QuantityEstimates]:
-    """Return the estimates of all quantities except friction that the report shows."""
+    """Return the estimates of all quantities that the report shows, except friction."""
     tables = []
     curve_panels = _CURVE_PANELS[study.has_nominal_area].values()
     factors = {curve_panel["of"]: curve_panel["factor"] for curve_panel in curve_panels}
@@ -247,7 +247,7 @@ def _assessment_record(point: PointSummary) -> dict[str, Any]:
 
 
 def _contribution_record(point: PointSummary) -> dict[str, Any] | None:
-    """Return the coefficient for friction at all contacts, its interval and its contributions for the page scripts."""
+    """Return, for the page scripts, the coefficient with friction at all contacts, its interval and contributions."""
     all_contacts_estimate = next((rule for rule in point.rules if rule.rule == "all"), None)
     if point.contributions is None or all_contacts_estimate is None or not math.isfinite(all_contacts_estimate.value):
         return None

@@ -33,7 +33,7 @@ class ReportError(ValueError):
 
 @dataclass(frozen=True)
 class HtmlPage:
-    """HTML page: title, lines below the title, main part, scripts, and the version that computed the result."""
+    """HTML page: title, lines below the title, main content, scripts, and version of stiction."""
 
     name: str
     head: list[str]
@@ -70,7 +70,7 @@ def read_package_file(name: str) -> str:
 
 
 def script_markup(facts: dict[str, Any], packed_arrays: Mapping[str, str]) -> str:
-    """Return the scripts and data of a page as HTML: `facts` as JSON, and arrays of numbers encoded as text."""
+    """Return HTML with the page scripts and their data: `facts` as JSON, and encoded arrays of numbers."""
     # Without "<", the JSON text contains no tag that would end the script element.
     facts_json = to_json(facts).replace("<", "\\u003c")
     script_template = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
@@ -90,7 +90,7 @@ def escape_html(text: object) -> str:
 
 
 def format_count(count: int, singular: str, plural: str | None = None) -> str:
-    """Return a number with its noun in the singular or plural."""
+    """Return a count with its noun, in the singular for 1 and in the plural otherwise."""
     return f"{count} {singular if count == 1 else plural or f'{singular}s'}"
 
 

@@ -102,7 +102,7 @@ def _contact_forces_panel(forces: xarray.Dataset) -> FigurePanel:
 
 
 def _onset_by_dimension_panel(points: xarray.Dataset, study: Study) -> FigurePanel:
-    """Return the panel with the onset of sliding of generated pairs against the fractal dimension."""
+    """Return the panel that shows the onset of sliding of generated pairs against the fractal dimension."""
     return FigurePanel(
         "Onset of sliding against fractal dimension",
         "Pre-sliding displacement, fraction slipped at half of the sliding load, and tangential stiffness against "
@@ -175,7 +175,7 @@ def _cutoff_panel(limits: ResolutionLimits, title: str) -> FigurePanel:
 
 
 def _onset_panels(onset: xarray.Dataset, study: Study, title: str) -> list[FigurePanel]:
-    """Return the panel with the onset curve and, for maps, the panel with the slip map."""
+    """Return the panel of the onset curve and, for maps, also the panel of the slip map."""
     curve_panel = FigurePanel(
         "Onset of sliding",
         "Tangential load against displacement of the upper body, with load cycles, and the slipping fraction.",

@@ -111,7 +111,7 @@ def report_page(result: Evaluation | xarray.Dataset, *, name: str = "", picture:
 def evaluate_report(
     result: Evaluation | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None
 ) -> Iterator[Callable[[], contextlib.AbstractContextManager[Callable[[], HtmlPage]]]]:
-    """Evaluate the numbers of a report in a forked process, and yield a function that draws the report's figures.
+    """Evaluate the data of a report in a forked process, and yield a function that starts to draw the figures.
 
     The function returns another context, in which a second process draws the figures. This context yields a function
     that waits for both processes and returns the report. It raises the same errors as `report_page`. If Matplotlib is
@@ -120,7 +120,7 @@ def evaluate_report(
     """
     result = Evaluation.of(result)
     collect_data_once = cache(partial(_collect_data, result, picture))
-    # An error is suppressed here, because drawing the report raises the same error again.
+    # If the evaluation fails, no error is raised here, because drawing the report raises the same error.
     with contextlib.suppress(ValueError):
         collect_data_once()
     with evaluate_in_copy(partial(_compose_content, result, collect_data_once, name)) as get_content:
@@ -142,7 +142,7 @@ def _collect_data(result: Evaluation, picture: xarray.Dataset | None) -> _AnyRep
 def _draw_report(
     get_data: Callable[[], _AnyReportData], get_content: Callable[[], _ComposedContent]
 ) -> Iterator[Callable[[], HtmlPage]]:
-    """Draw the figures of a report in a forked process, and yield a function that returns the report."""
+    """Draw the figures of a report in a forked process; yield a function that waits for them and builds the page."""
     # The module of `draw_panels` imports Matplotlib, so it is imported only here.
     from stiction.views.report.pictures import draw_panels
 
@@ -159,7 +159,7 @@ def _build_page(
 
 
 def _compose_content(result: Evaluation, get_data: Callable[[], _AnyReportData], name: str) -> _ComposedContent:
-    """Evaluate a result, and return the page content, the data for the page scripts, and the encoded arrays."""
+    """Evaluate a result; return the page content, the data of the page scripts, and the encoded arrays."""
     data = get_data()
     if isinstance(data, ReportDataOfMeasuredSurfaces):
         content = measured_report_content(data, evaluate_measured_values(result), name)

@@ -21,7 +21,7 @@ from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.report.page import HtmlPage, escape_html, read_package_file
 from stiction.views.report.pictures import inline_svg
 
-# The report advises a finer scan if the shortest octave has more than this fraction of the mean square slope.
+# The report advises a finer scan if the shortest octave contributes more than this fraction of the mean square slope.
 MAX_SHORTEST_OCTAVE_FRACTION = 0.1
 
 
@@ -84,7 +84,7 @@ def _interpretation_markup(characterisation: Characterisation) -> str:
 
 
 def _table_markup(rows: list[TableRow]) -> str:
-    """Return table rows as HTML. A row without a label continues the row above it."""
+    """Return table rows as HTML; a row without a label continues the row above."""
     lines: list[tuple[str, list[str]]] = []
     for row in rows:
         label, texts = row.label, row.texts

@@ -23,7 +23,7 @@ _COMPRESSION_LEVEL = 7
 
 
 def encode_doubles(values: ArrayLike, num_leading_bytes: int) -> str:
-    """Encode floating-point numbers as text: the first bytes of all numbers, then the second bytes, and so on.
+    """Encode floating-point numbers as text: first bytes of all numbers, then their second bytes, and so on.
 
     Bytes at the same position are similar, especially signs and exponents, so this order compresses best.
     """
@@ -42,7 +42,7 @@ def encode_small_integers(values: NDArray[np.int8]) -> str:
 
 @dataclass(frozen=True, eq=False)
 class EstimateArray:
-    """Array of estimates, whose last axis contains the value and the limits of its interval.
+    """Array of estimates; the last axis contains value, lower limit and upper limit.
 
     A page also stores how many decimals to print, for `digits` (1 or 2) digits of the interval's half width. A number
     without an interval has as many decimals as the estimate in `reference`, whose shape must broadcast. If there are
@@ -56,7 +56,7 @@ class EstimateArray:
     formats: Sequence[NumberFormat] = ()
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return the arrays to store for these estimates, keyed by suffix: "value", "lower", "decimals" and others."""
+        """Return the arrays that a page stores for these estimates, keyed by a suffix such as "decimals"."""
         indices = find_format_indices(self.values[..., 0], self.formats) if self.formats else None
         factors = 1.0 if indices is None else np.array([item.factor for item in self.formats])[indices, np.newaxis]
         estimates = np.moveaxis(self.values / factors, -1, 0)
@@ -73,7 +73,7 @@ class EstimateArray:
 
 @dataclass(frozen=True, eq=False)
 class NumberArray:
-    """Array of numbers without intervals, each of which is printed with a format that depends on its size.
+    """Array of numbers without intervals; the format of each number depends on the magnitude of the number.
 
     `formats` are the formats by size, in descending order of `minimum`.
     """
@@ -82,12 +82,12 @@ class NumberArray:
     formats: Sequence[NumberFormat]
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return the arrays to store, keyed by suffix: "value" (the numbers) and "format" (indices of formats)."""
+        """Return the arrays that a page stores for these numbers: "value", and "format" (indices of formats)."""
         return {"value": self.values, "format": find_format_indices(self.values, self.formats)}
 
 
 def find_format_indices(values: Floats, formats: Sequence[NumberFormat]) -> NDArray[np.int8]:
-    """Return, for each number, the index in `formats` of the format that `format_number` would choose."""
+    """Return, for each number, the index in `formats` of the format with which `format_number` would print it."""
     sizes = np.where(np.isnan(values) | (values == 0), 1.0, np.abs(values))
     minima = MIN_NUMBER_ROUNDED_TO_ONE * np.array([item.minimum for item in reversed(formats)])
     return (len(minima) - np.searchsorted(minima, sizes, side="right")).astype(np.int8)
@@ -152,7 +152,7 @@ def estimate_with_unit_text(point: Sequence[float], unit: str) -> str:
 
 @dataclass(frozen=True, eq=False)
 class QuantityEstimates:
-    """Estimates of a quantity that does not depend on mu0 and tau0, as shown in a report.
+    """Estimates of one quantity in a report; the quantity does not depend on mu0 and tau0.
 
     Attributes
     ----------
@@ -176,7 +176,7 @@ class QuantityEstimates:
     limit: float | None
 
     def to_record(self) -> dict[str, Any]:
-        """Return the estimates as JSON fields: numbers, decimals, texts, and flags for numbers above `limit`."""
+        """Return the estimates as JSON fields: numbers, decimals, texts, and marks of numbers above `limit`."""
         points = self.factor * self.estimates
         decimals, upper_limit_decimals = count_estimate_decimals(*np.moveaxis(points, -1, 0), digits=QUANTITY_DIGITS)
         texts = [
