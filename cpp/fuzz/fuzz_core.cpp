@@ -184,7 +184,7 @@ void fuzz_areal(Source& source) {
                 candidate.column + 1 < maps.upper.cols(),
             "minima lie in the map");
   }
-  // On a steep wall, the projected contact ellipse is so narrow that round-off changes the fraction inside the map.
+  // Seen from above, the contact ellipse on a steep wall is very narrow. Round-off then changes the fraction inside.
   const bool steep =
       std::any_of(candidates.all.begin(), candidates.all.end(), [](const stiction::ArealCandidate& candidate) {
         return candidate.normal.z() < 1e-5 || candidate.radii.major > 1e12 * candidate.radii.minor;

@@ -40,7 +40,7 @@ void check(const SurfacePair& pair, double deepest) {
 }
 
 // Smallest and largest gap in a row of two maps, and largest |height| in the same row of both maps.
-// The member `zero` marks invalid heights: it is 0 if all heights are finite, and NaN otherwise.
+// The member `zero` is 0 if all heights of the row are finite, and NaN otherwise.
 struct RowRange {
   double lowest;
   double highest;
@@ -255,7 +255,7 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
   std::vector<SplineMinimum> spline_minima;
   const double offset = pair.lower(0, 0);
   const double round_off = round_off_fraction * range.largest;
-  // Slopes and curvatures with respect to the grid index count as zero up to `level_limit` [µm].
+  // Slopes and curvatures per grid step count as zero up to `level_limit` [µm].
   // `level_limit` must not be below the round-off of the heights.
   const double level_limit = std::max(level_fraction * (range.highest - range.lowest), 16.0 * round_off);
   for (const Tile& tile : tiles) {

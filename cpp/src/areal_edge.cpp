@@ -22,7 +22,7 @@ MapEdges::MapEdges(const ArealCandidates& candidates, const ArealCandidate& cand
   const double sine = std::sqrt(candidate.ellipse.major) * std::sqrt(candidate.ellipse.minor) * candidate.normal.z() /
                       (half_width * half_height);
   for (std::size_t i = 0; i < 4; ++i) {
-    // From side to side of the parallelogram, the cosine between the normals of successive sides alternates in sign.
+    // The cosine between the normals of successive sides changes its sign from corner to corner of the parallelogram.
     const double to_next = i % 2 == 0 ? cosine : -cosine;
     const double next = distance_[(i + 1) % 4] - distance_[i] * to_next;
     const double previous = distance_[(i + 3) % 4] + distance_[i] * to_next;
@@ -34,7 +34,7 @@ MapEdges::MapEdges(const ArealCandidates& candidates, const ArealCandidate& cand
 // The sector between the angles φ₁ and φ₂ contributes (1/2π) ∫ h²/cos²φ dφ to the area fraction inside the map.
 // The Hertzian pressure varies as (1 - r²)^(1/2) with the distance r from the centre of the unit circle.
 // The sector between φ₁ and φ₂ contributes (1/2π) ∫ 1 - (1 - h²/cos²φ)^(3/2) dφ to the force fraction inside the map.
-// At angles with |tan φ| > (1 - h²)^(1/2)/h, the side is outside the unit circle, and the whole sector inside the map.
+// If |tan φ| > (1 - h²)^(1/2)/h, the side is outside the unit circle, so the whole sector lies inside the map.
 // The integrals are evaluated in closed forms that avoid cancellation if little of the ellipse lies inside the map.
 // For example, if a single side cuts the unit circle, the fraction (2 + 3 h - h³)/4 of the force lies inside the map.
 InsideFractions MapEdges::fractions_inside(double overlap) const {

@@ -79,7 +79,7 @@ constexpr std::size_t contacts_per_block = 16;  // number of contacts whose sums
 // Add the sums Σ_i factors(i, m, d) values(i, k) over the contacts i of a block to `sums`.
 // The indices of `sums` are the direction d, the factor m and the approach k.
 // The approach index k runs from `begin` to `steps`, both of which are multiples of every SIMD width.
-// The first `num_factors` sums contain forces as `values`. The remaining sums contain areas as `values`.
+// In the first `num_factors` sums, `values` are forces. In the remaining sums, `values` are areas.
 template <std::size_t Width>
 STICTION_INLINE void add_block_kernel(const double* factors, const double* force, const double* area,
                                       std::size_t contacts, std::size_t direction_count, std::size_t begin,
@@ -136,7 +136,7 @@ std::vector<Contact> contacts(const ArealCandidates& candidates, double approach
         force *= inside.force;
         area *= inside.area;
       }
-      // The contact patch has the shape of the elastic contact ellipse, and the area of the contact inside the map.
+      // The contact patch has the shape of the elastic ellipse, and the area of the contact that lies inside the map.
       const double scale = area / (pi * std::sqrt(candidate.ellipse.major * candidate.ellipse.minor));
       result.push_back({candidate.row * candidates.columns + candidate.column,
                         candidate.position - 0.5 * overlap * candidate.normal, candidate.normal,
@@ -177,7 +177,7 @@ std::vector<ArealSums> press(const ArealCandidates& candidates, Values approache
     directions_xy[d] = directions[d].x();
     directions_xy[direction_count + d] = directions[d].y();
   }
-  // Contacts are sorted by their first approach, so that all contacts of a block exist at similar approaches.
+  // Contacts are sorted by their first approach, so that the contacts of a block begin at similar approaches.
   struct Start {
     std::size_t candidate;
     std::size_t begin;

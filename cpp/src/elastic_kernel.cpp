@@ -22,12 +22,12 @@ using std::numbers::pi;
 
 // Number of columns of an area that are transformed together: one cache line in single precision.
 constexpr std::size_t columns_per_block = 8;
-// A row is loaded into the cache when the copying is this number of rows behind.
+// A row is loaded into the cache this number of rows before the row is copied.
 constexpr std::size_t rows_ahead = 16;
 // Number of values that a thread processes in one task, between two cancellation checks.
 // An area with fewer values than one task is not divided, because threads would then wait for each other.
 constexpr std::size_t values_per_task = std::size_t{1} << 15;
-// Sum of all stencil weights, as a fraction of the weight of the centre.
+// Sum of all stencil weights, divided by the weight of the central point.
 // The stencil multiplies long wavelengths by the sum of its weights, which must be small for wide contact patches.
 constexpr double stencil_sum = 0.04;
 // Lower limit of the displacement due to one Fourier component, as a fraction of the displacement of a loaded cell.
@@ -46,7 +46,7 @@ std::size_t padded_stride(std::size_t count) {
 }
 
 // For the Fourier transform, two real numbers are packed into one complex number.
-// Let z be the Fourier coefficients of the packed numbers. Let h be the factors: real numbers with h(-k) = h(k).
+// Let z be the Fourier coefficients of the packed numbers, and let h be the real factors of the filter: h(-k) = h(k).
 // Let m be half the number of points, and θ = πk/m. The coefficients y of the packed result are
 //
 //     y(k) = (a - b sin θ) z(k) + i b cos θ conj(z(m - k)),  a = (h(k) + h(m - k))/2,  b = (h(k) - h(m - k))/2.
@@ -176,7 +176,7 @@ void scatter_columns(const std::complex<Real>* columns, std::size_t column_strid
   }
 }
 
-// Size of a grid, and size of the grid with zero padding, which is transformed.
+// Size of a grid, and size of the zero-padded grid, which is transformed.
 struct TransformShape {
   std::size_t rows;
   std::size_t columns;
@@ -639,7 +639,7 @@ std::vector<double> to_stiffness(std::vector<double> compliance_factors) {
   return compliance_factors;
 }
 
-// Set the compliance for a uniform pressure to the largest compliance for any wavelength.
+// Set the compliance for a uniform pressure to the largest compliance of all wavelengths.
 std::vector<double> to_preconditioner(std::vector<double> compliance_factors) {
   compliance_factors[0] = *std::max_element(compliance_factors.begin(), compliance_factors.end());
   return compliance_factors;

@@ -16,8 +16,8 @@ constexpr double max_gap_change = 2.0;
 constexpr double small_gap = 5.0;  // largest small gap, as a multiple of the range of the attraction
 // Gap beyond which the line search neglects the attraction, as a multiple of the range of the attraction.
 constexpr double negligible_attraction_gap = 30.0;
-// First step of the line search, as a fraction of a full step.
-// The step is doubled until the energy increases, so that the line search finds the first minimum.
+// First trial step of the line search, as a fraction of a full step.
+// The trial step is doubled until the energy increases, so that the line search finds the first minimum.
 constexpr double initial_step_fraction = 0.125;
 // The line search ends once the slope of the energy is below this fraction of the initial slope.
 constexpr double max_slope_ratio = 0.05;
@@ -157,7 +157,7 @@ void fix_contacts(const double* gap, const float* residual, std::size_t size, fl
   }
 }
 
-// Add a multiple of the last direction to the descent direction. Returns the scalar product of sum and residual.
+// Add a multiple of the last direction to the descent direction. Returns (sum) · (residual).
 STICTION_MULTIVERSION
 double add_direction(const float* descent, const float* residual, float factor, std::size_t size,
                      float* __restrict direction) {
@@ -205,8 +205,8 @@ void add_multiple(const float* values, double factor, std::size_t size, double* 
   }
 }
 
-// Change the gaps by a step. A gap that closes becomes 0, and the rest of its change is stored.
-// Returns whether any gap closed, so that the rest of the gap change is stored.
+// Change the gaps by a step. A gap that closes becomes 0, and the remaining part of its change is stored.
+// Returns whether any gap closed, so that a remaining part is stored.
 STICTION_MULTIVERSION
 bool change_gaps(const float* direction, double step, bool yields, std::size_t size, double* __restrict gap,
                  float* __restrict remainder) {
@@ -259,7 +259,7 @@ struct Sum {
 
 }  // namespace
 
-// Residual of a state: norm relative to the stresses, mean attraction [GPa] and residual of the approach [GPa].
+// Relative residual of a state (residual/stresses), mean attraction [GPa], and error of the total load [GPa].
 struct EnergyMinimizer::Residual {
   double relative = 0.0;
   double mean_attraction = 0.0;

@@ -32,7 +32,7 @@ constexpr std::size_t min_points_per_axis = 16;
 constexpr std::size_t max_influence_points = std::size_t{1} << 20;
 // Relative tolerance of solutions on coarser grids. The discretisation error of these solutions is larger.
 constexpr double coarse_tolerance = 3e-3;
-// On an area, the solver starts from the solution at another load if both loads differ by at most this factor.
+// On an area, the solver starts from the solution at another load if the ratio of the two loads is at most this number.
 constexpr double max_load_ratio = 1.3;
 // Limits on the numbers of iterations. The finest grid rarely requires a hundred iterations.
 // Coarser grids may stop early, because their solutions are only starting points.
@@ -40,16 +40,16 @@ constexpr std::int64_t max_iterations = 2000;
 constexpr std::int64_t max_coarse_iterations = 100;
 // Maximum number of evaluations of displacements in double precision, reached only if round-off prevents convergence.
 constexpr int max_exact_evaluations = 20;
-// Largest accepted relative difference between displacements of contact points, which are equal in the exact solution.
+// Largest accepted relative difference between displacements of contact points. In the exact solution, all are equal.
 // The relative error of the compliance depends on the square of the accepted difference, and is about 1e-7.
 constexpr double compliance_tolerance = 1e-3;
-// Factor of `compliance_tolerance` on free lines, where only differences of displacements are defined.
+// Factor by which `compliance_tolerance` is multiplied on free lines, where displacements are defined up to a constant.
 // On free lines, the compliance is not an energy, so the error of the compliance is larger.
 constexpr double difference_tolerance = 0.03;
 // Maximum number of contact points whose linear response is computed with a dense matrix.
 // Up to 1024 contact points, solving with the matrix is faster than solving with transforms of the grid.
 constexpr std::size_t max_dense_points = 1024;
-// Below both limits, displacements are computed with a dense matrix, and only at points that can come into contact.
+// If few points can come into contact, displacements are computed only at these points, with a dense matrix.
 // Up to `max_matrix_ratio` matrix elements per grid point, the matrix is faster than transforms of the grid.
 // `max_selected_points` limits the size of the matrix to 16 MiB.
 constexpr std::size_t max_matrix_ratio = 16;
@@ -305,7 +305,7 @@ class LevelSolver {
   // Return whether the potential was recomputed exactly and no step was taken since then.
   bool is_exact() const { return is_exact_; }
   // Return whether the potential is known at every point whose pressure bound is above 0.
-  // The returned value is meaningful only if each point has its own pressure bound.
+  // The result is meaningful only if each point has its own pressure bound.
   bool has_all_potentials() const { return !selected_points_ || selects_all_points_; }
 
   // Update the free points. While the approach exceeds `max_approach_`, select more points that can come into contact.

@@ -28,7 +28,7 @@ std::unique_ptr<double[], AlignedDelete> allocate_aligned(std::size_t size) {
   return std::unique_ptr<double[], AlignedDelete>(new (std::align_val_t{cache_line}) double[size]);
 }
 
-// Exponent n of the largest number of turns, 2^n, that a phase may make along the grid.
+// Exponent n of the limit: a phase may make at most 2^n turns along the grid.
 // With more turns, fewer than 20 binary digits (a resolution of 1e-6) would remain for the fraction of a turn.
 // The limit is 2^44 turns if a long double has 64 binary digits, and 2^33 turns if a long double is a double.
 constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20;
@@ -63,7 +63,7 @@ Complex unit_phasor(Turns turns) { return std::polar(1.0, to_radians(turns)); }
 // The round-off of a harmonic's recurrence is proportional to the number of steps, even for very small θ.
 struct Harmonic {
   alignas(cache_line) std::array<double, lanes> z;  // values at the next `lanes` points
-  // Values z minus the values of the preceding `lanes` points.
+  // Differences between the values z and the values at the preceding `lanes` points.
   alignas(cache_line) std::array<double, lanes> d;
   double rate;                               // 4 sin²(θ/2)
   Complex amplitude;                         // complex amplitude at x = 0

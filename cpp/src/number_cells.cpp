@@ -44,7 +44,7 @@ std::size_t count_cell_ends(const char* text, std::size_t size, char separator) 
   return count;
 }
 
-// Convert the number at the start of `text`. Returns the end of the number, or null if `text` starts with no number.
+// Convert the number at the start of `text`. Returns the end of the number, or null if there is no number at the start.
 const char* convert_number(std::string_view text, [[maybe_unused]] char separator, double& value) {
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') {
     text.remove_prefix(1);

@@ -26,7 +26,7 @@ constexpr int max_failed_steps = 6;
 constexpr double failure_factor = 0.25;
 // Upper limit of the load change at a free point, relative to the load on all free points.
 // With a larger change at a free point, round-off would affect the total load.
-// Without `max_change_ratio`, step lengths would grow without limit, because steps that end at a bound are too short.
+// Without the limit, step lengths would grow from step to step, because steps that end at a bound are too short.
 constexpr double max_change_ratio = 1e3;
 constexpr int max_newton_steps = 200;
 constexpr std::size_t grid_sum_lanes = 8;
@@ -59,7 +59,7 @@ bool mark_free(const double* pressure, const double* potential, const double* bo
   return any != 0;
 }
 
-// Write the values from + slope · j of a linear function for j = first, first + 1, and so on.
+// Write the values (from + slope · j) of a linear function for j = first, first + 1, and so on.
 STICTION_MULTIVERSION
 void write_line(float from, float slope, std::int32_t first, std::int32_t count, float* values) {
   for (std::int32_t j = 0; j < count; ++j) {
@@ -397,7 +397,7 @@ void ProjectedCgSolver::find_free_points(std::size_t first, std::size_t last, st
 
 // Return the approach if each point has either no pressure or the pressure at its upper bound.
 // At the returned approach, points at their bound must have no gap, and points without pressure must not overlap.
-// If no point without pressure has a potential below the largest potential under pressure, the largest is returned.
+// If no point without pressure has a potential below the largest potential under pressure, that potential is returned.
 // Otherwise, no approach meets these conditions, and some of the points become free at the returned approach.
 double ProjectedCgSolver::approach_from_bounds() const {
   double max_loaded = -std::numeric_limits<double>::infinity();

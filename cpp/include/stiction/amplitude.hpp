@@ -23,7 +23,7 @@ struct HeightStatistics {
   double max;
 };
 
-/// Accumulator of the height statistics of a profile whose heights arrive in chunks, from left to right.
+/// Accumulator of the height statistics of a profile that is processed in chunks of heights, from left to right.
 /// The statistics do not depend on the chunk sizes if each chunk but the last contains a multiple of `lanes` heights.
 class HeightAccumulator {
  public:

@@ -11,11 +11,11 @@
 //
 // Round-off must not decide whether a nearly level minimum of the gap is a contact.
 // The following rules make the result independent of rotating, mirroring, swapping or shifting the pair of maps:
-// - Slopes and curvatures with respect to the grid index [µm] count as zero up to 2^-26 of the range of the gap.
+// - Slopes and curvatures per grid step [µm] count as zero up to 2^-26 of the range of the gap.
 // - Because of round-off, slopes and curvatures also count as zero up to 2^-42 of the largest height.
 // - A minimum of the gap that is not curved upwards in every direction is a level valley or plateau.
 // - A level valley or plateau of the gap is not a contact, because it has no single lowest point.
-// - A grid point on a level plateau counts as a grid minimum of the gap, although the spline has no minimum.
+// - A grid point on a level plateau counts as a grid minimum of the gap, although the spline has no minimum there.
 // - A surface that is flat in one or both directions, but not concave, counts as a summit.
 // - A contact whose slope along the motion is zero does not oppose the motion.
 #pragma once
@@ -101,14 +101,14 @@ inline constexpr double level_fraction = 0x1p-26;
 ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature curvature,
                            const CancellationCheck& check_cancellation = {});
 
-/// Contact sums of a pair of maps. "Lateral" means the horizontal direction 90 degrees to the left of the motion.
+/// Sums over the contacts of two maps. "Lateral" means the horizontal direction 90 degrees to the left of the motion.
 struct ArealSums : Sums {
   double lateral_elastic = 0.0;     ///< -Σ F c·n [mN], where c is the lateral unit vector
   double lateral_frictional = 0.0;  ///< -Σ F c·t [mN] per unit mu0
   double lateral_adhesive = 0.0;    ///< -Σ A c·t [mN] per GPa of tau0
   double load_overlapping = 0.0;    ///< Σ F n_z [mN] of contacts whose ellipse overlaps another ellipse
   double load_at_edge = 0.0;        ///< Σ F n_z [mN] of contacts whose ellipse is cut by the edge of the map
-  /// Number of grid points whose gap is at most the approach, and at most the gap of every neighbour.
+  /// Number of grid minima: points whose gap is at most the approach, and at most the gap of every neighbour.
   Index grid_minimum_count = 0;
   /// Number of grid minima (see `grid_minimum_count`) without a minimum of the spline in the four adjacent cells.
   Index unanswered_count = 0;

@@ -1,9 +1,9 @@
-// Matrices and vectors of the library: double precision, row-major. Units: values.hpp.
+// Matrices and vectors of the library: double precision, row-major. The file values.hpp lists the units.
 //
-// No compiled function of the library has an argument, result or variable that is an Eigen array with its own memory.
+// No compiled function of the library has an Eigen array that owns its memory as argument, result or variable.
 // Compiler flags such as -mavx and -fsanitize=address change how Eigen allocates and aligns memory.
-// The linker keeps one version of each Eigen function, even if program and library were compiled with different flags.
-// An Eigen array could therefore be freed by a function that does not match the function which allocated the array.
+// The linker keeps one version of each Eigen function, although program and library may have been compiled differently.
+// The function that frees an Eigen array could then be incompatible with the function that allocated the array.
 #pragma once
 
 #include "stiction/values.hpp"

@@ -3,7 +3,7 @@
 //
 // Every type of asperity pair has the members `contact_at(approach)` and `is_separated(approach)`.
 // Positions are relative to the point of the lower surface at which the two asperities face each other.
-// The approach [µm] is the displacement of the upper surface towards the lower surface since first contact.
+// A slope or curvature per grid step [µm] counts as zero up to this fraction of the range of the gap.
 // `gap` [µm] is the vertical distance between the facing points of two asperities at first contact of the surfaces.
 #pragma once
 
@@ -23,7 +23,7 @@ struct Radii {
   double minor;
 
   /// Return the geometric mean of both radii: the radius of a sphere with the same Gaussian curvature.
-  /// For equal radii, `mean` returns the radius itself, without the round-off of a square root.
+  /// For equal radii, the mean is the radius itself, without the round-off of a square root.
   double mean() const { return major == minor ? major : std::sqrt(major) * std::sqrt(minor); }
 };
 
@@ -40,7 +40,7 @@ struct ContactPoint {
 enum class Curvature { convex, signed_ };
 
 /// Asperity pair of two spheres, at most one of which is concave (Eq. 4).
-/// At the approach δ, the penetration is p = δ - gap.
+/// At the approach δ, the vertical penetration is p = δ - gap.
 /// At the penetration p, the vector between the sphere centres is X = -p e_z + R_l n_l - R_u n_u.
 /// The overlap of the spheres is R_u + R_l minus the signed length of X.
 /// On nearly flat surfaces, R_u + R_l - |X| is a difference of two large numbers that loses all correct digits.
@@ -94,7 +94,7 @@ std::optional<SphereOnFlat> sphere_on_flat(const Asperity& sphere, Side sphere_s
 Radii radii(const AsperityPair& asperity_pair);
 
 /// Class of a contact point.
-/// In the class `crossed`, the normal points downwards, because the sphere centres have passed each other.
+/// `crossed` means that the normal points downwards, because the sphere centres have passed each other.
 enum class ContactClass { no_contact, crossed, contact };
 
 /// Classify a contact point by its overlap, its normal and the position of the contact centre.

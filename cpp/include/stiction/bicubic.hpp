@@ -10,7 +10,7 @@ namespace stiction {
 constexpr Index min_map_points = 4;
 
 /// Replace heights [µm] by the coefficients [µm] of the B-spline that interpolates the heights.
-/// The inner elements of `coefficients` contain the heights. The outermost rows and columns are only written.
+/// On entry, the inner elements of `coefficients` contain the heights. The outermost rows and columns are only written.
 /// The coefficients have a round-off of about 1e-16 of the largest height.
 /// Throws std::invalid_argument for fewer than 4 by 4 heights.
 void natural_bicubic(Eigen::Ref<Matrix> coefficients);

@@ -50,7 +50,7 @@ struct Candidate {
 };
 
 /// Call `visit(candidate)` for every candidate whose gap is at most `deepest` [µm] >= 0, from left to right.
-/// With Detection::cell, the function may omit candidates that touch within their cells at no approach up to `deepest`.
+/// With Detection::cell, candidates that touch within their cells at no approach up to `deepest` may be left out.
 /// Both profiles must have the same number of heights, at least 4. Heights must be finite, and the spacing positive.
 /// Throws std::invalid_argument if the profiles do not meet these requirements.
 void for_each_candidate(const ProfilePair& pair, double deepest, Detection detection, Curvature curvature,

@@ -17,14 +17,14 @@ class DenseKernel {
  public:
   /// `influence` contains the displacement [µm/GPa] of each grid point due to a pressure on the first grid point.
   /// `influence` must outlive the DenseKernel. The constructor does not check whether all `points` are on the grid.
-  /// Throws std::invalid_argument for 2³¹ grid points or more, and unless `influence` has one value per grid point.
+  /// Throws std::invalid_argument for 2³¹ grid points or more, or if `influence` has not one value per grid point.
   DenseKernel(Values influence, const Grid& grid, std::vector<std::size_t> points);
 
   /// Return the symmetric matrix of displacements per pressure [µm/GPa] between the points, row by row.
   template <class Real>
   std::vector<Real> matrix() const;
 
-  /// Compute the displacements of the points in double precision.
+  /// Compute the displacements [µm] of the selected points in double precision.
   /// Both arrays have one value for each grid point. Values at grid points outside `points` are not read or changed.
   void displacement(Values pressure, std::span<double> displacements) const;
 

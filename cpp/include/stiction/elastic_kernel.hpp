@@ -50,7 +50,7 @@ class Workspace {
 /// On a free grid, the displacements of uniformly loaded cells are superposed on a grid of twice the size.
 /// Sources: Love 1929; Johnson, Contact Mechanics (1985), eq. 3.25.
 /// On profiles (plane strain), the displacement depends on the logarithm of the distance from the load.
-/// The approximate inverse E*|k|/2 of the kernel is periodic even on a free grid, so it is transformed without padding.
+/// The approximate inverse E*|k|/2 of the kernel is periodic even on a free grid, so it needs no zero padding.
 /// A preconditioner may be periodic, because it affects the number of iterations but not the solution.
 class ElasticKernel {
  public:
@@ -69,7 +69,7 @@ class ElasticKernel {
   void displacement(Values pressure, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool(), std::span<const std::size_t> rows = {}) const;
 
-  /// Compute displacements in single precision, for the small steps of the solver.
+  /// Compute displacements in single precision, which is accurate enough for the small steps of the solver.
   void displacement(std::span<const float> pressure, std::span<float> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool(), std::span<const std::size_t> rows = {}) const;
 
@@ -119,7 +119,7 @@ class StiffnessKernel {
   void pressure(Values displacements, std::span<double> pressures, Workspace& workspace,
                 const ThreadPool& pool = ThreadPool()) const;
 
-  /// Compute pressures in single precision, for the small steps of a solver.
+  /// Compute pressures in single precision, which is accurate enough for the small steps of a solver.
   void pressure(std::span<const float> displacements, std::span<float> pressures, Workspace& workspace,
                 const ThreadPool& pool = ThreadPool()) const;
 
@@ -128,7 +128,7 @@ class StiffnessKernel {
                     const ThreadPool& pool = ThreadPool()) const;
 
   /// Compute displacements in single precision, in order to precondition a solver.
-  /// A uniform pressure is given the largest compliance that occurs at any wavelength.
+  /// For a uniform pressure, the compliance is set to the largest compliance that occurs at any wavelength.
   void precondition(std::span<const float> pressures, std::span<float> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 

@@ -42,7 +42,7 @@ struct MinimizationState {
   std::int64_t recomputation_number = 0;  ///< number of the step before which the net pressure was recomputed
 };
 
-/// Outcome of a step. The step changes the state only if the minimisation continues.
+/// Outcome of a step of the minimisation. A step changes the state only if the minimisation continues.
 enum class MinimizationOutcome {
   unfinished,
   balanced,   ///< the state is an equilibrium
@@ -58,11 +58,11 @@ struct AdhesiveStresses {
 
 /// Energy of a contact, minimised by preconditioned conjugate gradients (Polak-Ribière).
 ///
-/// The energy is a function of the gap and, on free grids, of the approach and the displacements around the grid.
+/// The energy depends on the gap and, on free grids, also on the approach and on the displacements around the grid.
 /// On free grids, the net pressure must vanish at all points around the grid.
 /// The energy is the sum of elastic energy, energy of the attraction and work of the load.
 /// Points in contact keep a gap of 0 as long as their pressure is between 0 and the hardness.
-/// The preconditioned residual is the displacement that the residual pressures cause.
+/// The preconditioner replaces the residual pressures by the displacement that they cause.
 /// Each step ends at the first minimum of the energy along the direction of the step.
 /// Only one thread at a time may use an EnergyMinimizer.
 class EnergyMinimizer {

@@ -93,9 +93,9 @@ using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 /// The solver minimises the energy at a given total load. Each pressure p must satisfy 0 <= p <= bound.
 ///
 /// The method is projected conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206; see ProjectedCgSolver).
-/// The iteration starts from the solution on the next coarser grid.
-/// The preconditioner is the operator E*|k|/2 on lines, and the class Preconditioner on areas.
-/// The relative error is the larger of two lengths (largest gap under pressure, largest overlap), divided by `scale`.
+/// On each grid, the iteration starts from the solution on the next coarser grid.
+/// On lines, the preconditioner is the operator E*|k|/2. On areas, it is the class Preconditioner.
+/// The relative error is the largest gap under pressure or, if larger, the largest overlap, divided by `scale`.
 class HalfSpaceSolver {
  public:
   /// Create the solver. `gap` [µm] must outlive the solver.
@@ -107,7 +107,7 @@ class HalfSpaceSolver {
                   const ThreadPool& pool = ThreadPool());
 
   /// Return the length [µm] by which gaps and overlaps are divided to obtain a relative error.
-  /// The length is the larger of two deviations: of the gap, and of the displacements at `mean_pressure` [GPa].
+  /// The length is the standard deviation of the gap or, if larger, of the displacements at `mean_pressure` [GPa].
   double scale(double mean_pressure) const;
 
   const Grid& grid() const { return grids_->levels()[0]; }

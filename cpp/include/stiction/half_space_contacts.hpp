@@ -19,7 +19,7 @@ struct HalfSpaceContact {
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
 };
 
-/// Quantity that `solve_contacts` prescribes at each step: the meaning of the elements of `steps`.
+/// Quantity that the elements of `steps` contain, and that `solve_contacts` prescribes at each step.
 enum class StepQuantity {
   mean_pressure,  ///< mean pressure on the grid [GPa]
   approach        ///< approach [µm]

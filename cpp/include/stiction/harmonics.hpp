@@ -24,7 +24,7 @@ struct HarmonicGrid {
 };
 
 /// Compute the amplitudes w_n [µm], n = 1..frequencies: L^H ln γ γ^(-(n-1) H) for the Hurst exponent H [-].
-/// For a fractal dimension D as defined in the paper, H = 4 - 2D. For the usual definition of D, H = 2 - D.
+/// Hanaor, Gan & Einav define the fractal dimension D by H = 4 - 2D. The usual definition is H = 2 - D.
 std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, double gamma, double length_scale);
 
 /// Write the sum Σ_n weights(d, n) G_n(x_j) [µm] to row d and column j of `profiles`.

@@ -35,9 +35,9 @@ struct CellRange {
 /// A minimum within 1e-6 of the boundary between two cells belongs to the right or to the upper cell.
 /// A minimum found at the edge of the range of cells may belong to a neighbouring cell outside the range.
 ///
-/// The search is exhaustive: each cell is subdivided until every part is proved to have no minimum or to be convex.
-/// The signs of the Bernstein coefficients can prove that a part of a cell has no minimum, or is convex.
-/// In a convex part of a cell, Newton's method finds the only possible minimum.
+/// The search is exhaustive. Each cell is divided until the spline in each part has no minimum or is convex.
+/// The signs of the Bernstein coefficients can prove that the spline in a part of a cell has no minimum, or is convex.
+/// In a part in which the spline is convex, Newton's method finds the only possible minimum.
 /// The subdivision ends at 1/64 of the side of a cell.
 /// Parts of a cell may then be undecided, for example where a minimum is about to vanish.
 /// In an undecided part of a cell, Newton's method shows whether there is a minimum.

@@ -12,7 +12,7 @@
 
 namespace stiction {
 
-/// Profiles as rows of a matrix [µm], and the height statistics of each profile.
+/// Heights [µm] of profiles, with one profile per row of a matrix, and the height statistics of each profile.
 struct ProfileBatch {
   Eigen::Ref<Matrix> heights;
   std::span<const HeightStatistics> statistics;

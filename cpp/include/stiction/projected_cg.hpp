@@ -17,7 +17,7 @@ namespace stiction {
 /// The pressures satisfy 0 <= p <= bound at each point, and their sum is `total`.
 ///
 /// The kernel K maps pressures [GPa] to displacements [µm].
-/// The caller multiplies vectors by K, and by a preconditioner M that approximates the inverse of K.
+/// The caller computes products of vectors with K, and with a preconditioner M that approximates the inverse of K.
 /// `potential` is K p + g0, so the gap at approach δ is potential - δ.
 /// A point is free if its pressure lies strictly between the bounds.
 /// A point at a bound is also free if the gap at the point drives the pressure away from the bound.
@@ -27,9 +27,9 @@ namespace stiction {
 /// ->  advance(K step)
 ///
 /// The preconditioner M acts on the whole grid, so the residual r is extended to points that are not free.
-/// The best extension minimises r·Mr. The minimum equals r·K⁻¹r on the free points.
+/// The best extension of r minimises r·Mr. The minimum of r·Mr equals r·K⁻¹r on the free points.
 /// On areas, r is set to 0 at points that are not free, which gives nearly the smallest r·Mr.
-/// On lines with short contacts, zeros would give a much larger r·Mr than the best extension.
+/// On lines with short contacts, r = 0 at these points would give a much larger r·Mr than the best extension.
 /// On lines, r is interpolated linearly between free points. M r is multiplied by the transpose of the interpolation.
 /// The interpolation of r continues across the edges of the grid, because M is periodic.
 ///
@@ -140,7 +140,7 @@ class ProjectedCgSolver {
   std::vector<double> target_;                // pressure at free points after a full step
   std::vector<double> free_bounds_;           // bound at free points
   // Response of the last step: the kernel K times the step.
-  // The potential still lacks the last response multiplied by `pending_fraction_`.
+  // The potential does not yet include the last response, multiplied by `pending_fraction_`.
   std::span<const float> pending_response_;
   double pending_fraction_ = 0.0;
   std::vector<std::vector<std::int32_t>> task_free_points_;  // free points found by each task

@@ -106,7 +106,7 @@ double tangential_load(const Sums& sums, double mu0, double tau0 = 0.0);
 /// `self_locked` means that friction alone holds the surfaces together (F_N <= 0).
 enum class Status { ok, no_contact, self_locked };
 
-/// Return the status of the coefficient of friction for mu0 [-] and tau0 [GPa].
+/// Return `ok` if a coefficient of friction exists for mu0 [-] and tau0 [GPa], or else the reason why not.
 Status status(const Sums& sums, double mu0, double tau0 = 0.0);
 
 /// Return the coefficient of friction F_T / F_N, or NaN unless the status is `ok`.
