@@ -13,7 +13,7 @@ from stiction._units import Quantity, quantity, quantity_in_core_units, short_re
 
 
 def split_values(value: Any) -> list[Any]:
-    """Return the items of an argument as a flat list.
+    """Split the argument `value` into its items: texts at commas, and lists into their elements; return a flat list.
 
     A text is split at its commas. A one-dimensional list is returned with its texts split. Any other argument is the
     only item.
@@ -40,7 +40,7 @@ def _split_required_values(name: str, value: Any) -> list[Any]:
 
 
 def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
-    """Parse a quantity of a kind such as "pressure", from a text with a unit or from a number in core units."""
+    """Parse an argument as a quantity of the given kind, such as "pressure"; a plain number is in core units."""
     try:
         return (
             quantity(value, kind)
@@ -73,7 +73,7 @@ def reject_decimal_commas(name: str, value: Any) -> None:
 
 
 def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[float]:
-    """Parse one or more numbers from an argument: a number, a list, or a text with commas.
+    """Parse an argument as a list of numbers: from a single number, a list of numbers, or a text with commas.
 
     If `integers` is true, commas always separate numbers: "0,90" is 0 and 90.
     """
@@ -116,7 +116,7 @@ def validate_nonnegative_values(name: str, values: list[Any], argument: Any) -> 
 
 
 def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantity, bool]:
-    """Parse a load, and return it with a flag that is true if the load is a pressure instead of a force.
+    """Parse a load, and return the load with True if it is a pressure, or with False if it is a force.
 
     Returns False if it is a force.
 

@@ -40,7 +40,7 @@ def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Flo
         raise ValueError(f"{name} must be an array of real numbers, got {type(values).__name__}") from None
     if ndim is not None and array.ndim != ndim:
         raise ValueError(f"{name} must have {ndim} dimension(s), got shape {array.shape}")
-    # If the sum is finite, all elements are finite. One sum is faster to check than all elements.
+    # A finite sum shows that all elements are finite. Checking the sum is faster than checking each element.
     with np.errstate(over="ignore", invalid="ignore"):
         array_sum = array.sum()
     if not np.isfinite(array_sum) and (is_nonfinite := ~np.isfinite(array)).any():
@@ -89,7 +89,7 @@ def unwrap_scalar(value: Any) -> Any:
 
 
 def validate_fraction(name: str, value: Any) -> float:
-    """Return a number, or raise a `ValueError` unless it is from 0 to 1."""
+    """Return an argument as a number, or raise a `ValueError` unless the number is from 0 to 1."""
     number = validate_number(name, value)
     if not 0 <= number <= 1:
         raise ValueError(f"{name} must be from 0 to 1, got {short_repr(value)}")
@@ -131,7 +131,7 @@ def parse_path(name: str, value: Any) -> Path:
     try:
         is_possible = b"\0" not in os.fsencode(path)
     except UnicodeEncodeError:
-        # Lone surrogate characters cannot be encoded, so they cannot be part of a file name.
+        # A text with half of a UTF-16 surrogate pair cannot be encoded, so it cannot be a file name.
         is_possible = False
     if not is_possible:
         raise ValueError(f"{name} must be a path of printable characters, got {short_repr(os.fspath(path))}")

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stiction._checks import Floats
 
 HEIGHT_COLOUR_MAP = "gray"
-# Height range (µm) below which a map is drawn in nm.
+# Height range (µm) below which the heights of a map are shown in nm.
 _MAX_HEIGHT_RANGE_IN_NANOMETRES = 0.5
 _MAX_SCALE_BAR_FRACTION = 0.25
 PRESSURE_COLOUR_MAP = "inferno"
@@ -36,7 +36,7 @@ def draw_profile(ax: Axes, x: Floats, heights: Floats) -> Axes:
 
 
 def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axes:
-    """Draw a height map with the y axis upwards. The centre of each pixel is at a grid point."""
+    """Draw a height map as an image with the y axis upwards and one pixel per grid point."""
     heights, unit = to_readable_height_unit(heights)
     image = ax.imshow(heights, extent=map_extent(heights.shape, spacing), origin="lower", cmap=HEIGHT_COLOUR_MAP)
     add_colour_bar(ax, image, f"height ({unit})")
@@ -45,7 +45,7 @@ def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axe
 
 
 def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats, Floats]) -> Axes:
-    """Draw a power spectral density on logarithmic axes: all harmonics, and means in bins of the wave number."""
+    """Draw a power spectral density on logarithmic axes: the density of each harmonic, and the mean of each bin."""
     wave_number, density = harmonics
     is_positive = density > 0
     if not is_positive.any():
@@ -54,7 +54,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
     bin_wave_number, bin_density = bins
     is_positive_bin = bin_density > 0
     ax.loglog(bin_wave_number[is_positive_bin], bin_density[is_positive_bin], color="0.1", linewidth=1.4)
-    # The axis of the spectral density has a lower limit, because round-off would otherwise take up most of the axis.
+    # The density axis has a lower limit. Otherwise, densities that are only round-off would fill most of the axis.
     max_density = float(density.max())
     ax.set_ylim(max(float(bin_density[is_positive_bin].min()) / 3, 1e-16 * max_density), 3 * max_density)
     ax.set_xlabel("wave number q (1/µm)")
@@ -66,7 +66,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
 
 
 def draw_scan_comparison(ax: Axes, comparison: Any) -> Axes:
-    """Draw the rms height that two scans share, and the rms noise of a single scan, for each octave of wavelength."""
+    """Draw the rms height that is common to two scans, and the rms noise of one scan, in each octave of wavelength."""
     for name, style, label in (("common", "o-", "in both"), ("noise", "s--", "noise of one")):
         heights = 1000 * getattr(comparison, name)
         ax.loglog(
@@ -101,12 +101,12 @@ def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any
 
 
 def map_extent(shape: tuple[int, ...], spacing: tuple[float, ...]) -> tuple[float, float, float, float]:
-    """Return the image edges of a map (left, right, bottom, top; µm), half a cell beyond the outermost grid points."""
+    """Return the edges (left, right, bottom, top; µm) of the image of a map: 0 and the side length along each axis."""
     return 0.0, shape[1] * spacing[1], 0.0, shape[0] * spacing[0]
 
 
 def wave_number_to_wavelength(wave_number: Any) -> Any:
-    """Convert wave numbers (1/µm) to wavelengths (µm), or wavelengths to wave numbers: both conversions are 2π/x."""
+    """Convert wave numbers (1/µm) to wavelengths (µm) by λ = 2π/q; the same formula converts wavelengths back."""
     with np.errstate(divide="ignore"):
         return 2 * math.pi / np.asarray(wave_number, dtype=np.float64)
 

@@ -7,7 +7,7 @@ from typing import Any
 
 
 class _PlaceholderValues(dict[str, Any]):
-    """Texts that replace the placeholders of an error message, keyed by placeholder.
+    """Mapping from the placeholders in an error message to the texts that replace them.
 
     Any other placeholder is replaced by its argument's name.
     """

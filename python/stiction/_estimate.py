@@ -16,12 +16,12 @@ from stiction._number_format import MAX_WITHOUT_EXPONENT, MIN_WITHOUT_EXPONENT, 
 # Maximum number of significant digits of a printed number, even if its interval is very narrow.
 MAX_SIGNIFICANT_DIGITS = 4
 INFINITE_LIMIT_TEXT = "\N{INFINITY}"
-# An upper limit above this multiple of the value is printed with one significant digit.
+# The upper limit of an interval is printed with one significant digit if it exceeds this multiple of the estimate.
 MAX_FULL_PRECISION_LIMIT_RATIO = 100.0
-# `count_estimate_decimals` returns these codes if a text contains no interval, or a limit with an exponent.
+# Codes that `count_estimate_decimals` returns instead of a number of decimals.
 DECIMALS_CODE_OF_NO_INTERVAL = -128
 DECIMALS_CODE_OF_EXPONENT = -127
-# Rounding keeps at most this number of decimals, and zeroes at most this number of digits before the decimal point.
+# Maximum number of decimals of a printed number, and of digits before the decimal point that rounding sets to zero.
 MAX_DECIMALS = 100
 
 EstimateKind = Literal["", "mean", "combined", "prediction", "conditional", "fit", "range"]
@@ -138,7 +138,7 @@ class Estimate:
         return self.in_unit(name, factor)
 
     def to_record(self, at: Mapping[str, Any] | None = None) -> dict[str, Any]:
-        """Return the estimate as a JSON object that includes the coordinates `at` of the estimate, such as the load."""
+        """Return the estimate as a JSON object; the field "at" contains the given coordinates, such as the load."""
         return {
             "name": self.name, "value": float(self.value), "unit": to_file_unit(self.unit),
             "lower": float(self.lower), "upper": float(self.upper), "kind": self.kind, "at": dict(at or {}),
@@ -196,7 +196,7 @@ def estimate_column_titles(title: str, unit: str = "1") -> dict[str, str]:
 
 
 def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
-    """Widen intervals so that each interval includes the corresponding intervals of all other arrays.
+    """Widen each interval in an array to include the intervals at the same index in the other arrays.
 
     Parameters
     ----------
@@ -219,7 +219,7 @@ def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
 def count_estimate_decimals(
     value: Floats, lower: Floats, upper: Floats, *, digits: int
 ) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
-    """Return the numbers of decimals with which estimates are printed, in two arrays.
+    """Return the numbers of decimals of printed estimates, for values with lower limits and for upper limits.
 
     The first array is for values and lower limits, the second array for upper limits. The number of decimals is
     negative for numbers that are rounded to tens or more. The second array contains `DECIMALS_CODE_OF_NO_INTERVAL` if
@@ -246,7 +246,7 @@ def count_estimate_decimals(
 
 
 def _count_interval_decimals(value: Floats, lower: Floats, upper: Floats, digits: int) -> Floats:
-    """Return the number of decimals that shows `digits` significant digits of an interval's half width.
+    """Return the number of decimals at which the half width of an interval has `digits` significant digits.
 
     Unless the value is 0, the number of decimals is limited so that the value has 2 to 4 significant digits. For an
     interval without width, the value has 4 significant digits.
@@ -259,7 +259,7 @@ def _count_interval_decimals(value: Floats, lower: Floats, upper: Floats, digits
 
 
 def _count_significant_decimals(value: Floats, digits: int) -> Floats:
-    """Return the decimals that a number needs when rounded to `digits` significant digits, without trailing zeros."""
+    """Return the number of decimals of a number with `digits` significant digits, without trailing zeros."""
     exponents = _find_decimal_exponents(value)
     with np.errstate(invalid="ignore", over="ignore"):
         # Each number is scaled to an integer with `digits` digits: with four digits, 0.01234 becomes 1234.
@@ -275,7 +275,7 @@ def _find_decimal_exponents(value: Floats) -> Floats:
     size = np.abs(value)
     with np.errstate(divide="ignore"):
         exponents = np.where(size == 0, 0.0, np.floor(np.log10(size)))
-    # For a power of ten, round-off in the logarithm may give an exponent that is too small by 1.
+    # Round-off in the logarithm may make the exponent of a power of ten, such as 1000, too small by 1.
     return np.asarray(np.where(size >= 10.0 ** (exponents + 1), exponents + 1, exponents))
 
 

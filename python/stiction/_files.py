@@ -25,10 +25,10 @@ The name contains the machine, the process id, the run and a random number.
 
 # Age (s) above which a partial file from another machine counts as abandoned.
 MAX_PARTIAL_FILE_AGE = 3600.0
-# Time (s) between two refreshes of a directory claim, so short that a claim survives a few failed refreshes.
+# Time (s) between two refreshes of a claim on a directory, short enough that a claim outlives a few failed refreshes.
 CLAIM_REFRESH_INTERVAL = 300.0
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
-# Random text that identifies a run. The process number would not suffice, because the operating system reuses numbers.
+# Random text that identifies this process. A process number is not enough, because the operating system reuses numbers.
 _PROCESS_TOKEN = secrets.token_hex(4)
 # A mark that shows the type of a file is searched for in this number of bytes at each end of the file.
 _NUM_SEARCHED_BYTES = 2**16
@@ -50,11 +50,11 @@ def create_file_atomically(path: Path, error_type: type[ValueError]) -> Iterator
 
 
 def check_creatable(path: Path, error_type: type[ValueError]) -> None:
-    """Raise `error_type` if a path exists (even as a dangling link), or if the parent directory does not exist."""
+    """Raise an error of type `error_type` if a path exists (even as a dangling link), or has no parent directory."""
     with _translate_os_errors(path, error_type):
         if os.path.lexists(path):
             raise FileExistsError
-        # The trailing slash makes `os.stat` raise an error if the parent is missing or is a file.
+        # The trailing slash of the path makes `os.stat` raise an error if the parent directory is missing or is a file.
         os.stat(os.path.join(path.parent, ""))
 
 
@@ -72,9 +72,9 @@ def replace_file_atomically(path: Path, mark: bytes, error_type: type[ValueError
 
 
 def check_replaceable(path: Path, mark: bytes, error_type: type[ValueError]) -> None:
-    """Raise `error_type` if a path exists, unless it is a file with the bytes `mark`, which stiction writes.
+    """Raise an error of type `error_type` if a path exists and is not a file that contains the byte string `mark`.
 
-    A dangling link counts as existing.
+    Stiction writes this mark to its files. A dangling link counts as existing.
     """
     with _translate_os_errors(path, error_type):
         if os.path.lexists(path) and not contains_file_mark(path, mark):
@@ -118,7 +118,7 @@ def _open_partial_file(path: Path, move_file: Callable[[Path, Path], object]) ->
     After success, `move_file` moves the file to `path`. After an error, the file is removed.
     """
     partial_path = path.parent / new_partial_file_name()
-    # The file is created inside `try`, so that it is removed even if Ctrl-C follows immediately.
+    # The partial file is created inside `try`, so that it is removed even if Ctrl-C is pressed immediately afterwards.
     try:
         os.close(os.open(partial_path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
         yield partial_path
@@ -134,7 +134,7 @@ def new_partial_file_name() -> str:
 
 
 class DirectoryClaim:
-    """Claim with which one run reserves a directory: a partial file that exists until the `with` block ends.
+    """Claim of a directory by one run: a partial file in the directory, which exists until the `with` block ends.
 
     A thread refreshes the file, because other machines ignore a claim that is older than `MAX_PARTIAL_FILE_AGE`. If the
     process is killed, the file stays and becomes stale, so that it does not lock the directory.
@@ -171,7 +171,7 @@ class DirectoryClaim:
                 self.file.touch()
 
     def find_other_claim(self) -> Path | None:
-        """Return the partial file with which another active run claims the directory.
+        """Return the partial file of another active run that also claims the directory.
 
         Returns None if no other run is active in the directory.
 
@@ -232,7 +232,7 @@ def _translate_os_errors(path: Path, error_type: type[ValueError]) -> Iterator[N
 
 
 def contains_file_mark(path: Path, mark: bytes) -> bool:
-    """Return whether a path is a file that contains the bytes `mark` near its start or its end."""
+    """Return whether a path is a file that contains the byte string `mark` near the start or the end of the file."""
     if not path.is_file():
         return False
     with path.open("rb") as file:
@@ -279,5 +279,5 @@ def _open_nonblocking(path: str, flags: int) -> int:
 
 
 def describe_os_error(error: OSError) -> str:
-    """Return the reason for an `OSError`, without the file name, because the file may be internal to stiction."""
+    """Return the reason that an `OSError` states, without the file name, which may be internal to stiction."""
     return os.strerror(error.errno) if error.errno else str(error)

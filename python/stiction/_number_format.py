@@ -40,7 +40,7 @@ def format_significant(value: float, digits: int = 2) -> str:
 
 
 class NumberFormat(NamedTuple):
-    """Format of numbers whose absolute value is at least `minimum`: divisor, significant digits, and text.
+    """Format of numbers with an absolute value of at least `minimum`: divisor, significant digits, and text template.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class NumberFormat(NamedTuple):
     digits: int
 
     def format(self, value: float) -> str:
-        """Format a number: divide it by `factor`, round it, and insert it into `text`."""
+        """Format a number: divide the number by `factor`, round the quotient, and insert its digits into `text`."""
         number_text = format_significant(value / self.factor, self.digits)
         return "none" if math.isnan(value) else self.text.replace("{}", number_text)
 
@@ -78,7 +78,7 @@ MIN_NUMBER_ROUNDED_TO_ONE = 0.9995
 
 
 def list_number_formats(kind: str) -> tuple[NumberFormat, ...]:
-    """Return the formats for a kind of number, such as "percent".
+    """Return the number formats that one name, such as "percent", stands for, the format of large numbers first.
 
     The format for the largest numbers is the first.
 
@@ -97,7 +97,7 @@ def list_number_formats(kind: str) -> tuple[NumberFormat, ...]:
 
 
 def format_number(value: float, kind: str) -> str:
-    """Format a number of a kind such as "percent", in the format for its size; see `list_number_formats`."""
+    """Format a number in the format for its size; `kind`, such as "percent", selects a list of formats."""
     return _choose_item_by_size(value, list_number_formats(kind)).format(value)
 
 
@@ -126,7 +126,7 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
 
 
 def _choose_item_by_size(value: float, items: Sequence[_Item]) -> _Item:
-    """Return the first item whose minimum `item[0]` the absolute value of a number reaches; use 1 for 0 and NaN."""
+    """Return the first item with a minimum, `item[0]`, up to the absolute value of a number; treat 0 and NaN as 1."""
     size = 1.0 if value == 0 or math.isnan(value) else abs(value)
     return next(item for item in items if size >= MIN_NUMBER_ROUNDED_TO_ONE * item[0])
 

@@ -24,7 +24,7 @@ class LazyPattern:
         return re.compile(self.pattern, self.flags)
 
     def match(self, text: str) -> re.Match[str] | None:
-        """Return the match at the start of a text.
+        """Return the match of the pattern at the start of a text.
 
         Returns None if there is no match.
         """
@@ -45,7 +45,7 @@ class LazyPattern:
         return self.compiled_pattern.search(text)
 
     def findall(self, text: str) -> list[str]:
-        """Return all matches in a text or, if the pattern has a group, the text of the group in each match."""
+        """Return all matches in a text or, if the pattern has a group, the part of each match in the group."""
         return self.compiled_pattern.findall(text)
 
     def split(self, text: str) -> list[str]:

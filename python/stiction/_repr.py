@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 NOTEBOOK_IMAGE_DPI = 110  # dots per inch
 NOTEBOOK_IMAGE_SIZE = (4.6, 3.2)  # inches
-# A figure of at most this width (inches) fits into one column of a page. A notebook shows it with more dots per inch.
+# Maximum width (inches) of a figure for one column of a page. A notebook shows such a figure with a higher resolution.
 MAX_ONE_COLUMN_WIDTH = 4.0
 # Level 4 of zlib takes half the time of level 6, and makes images of maps 10 % larger.
 PNG_COMPRESSION = 4
@@ -40,7 +40,7 @@ class TextReprMixin:
 
 
 class PlotReprMixin(TextReprMixin):
-    """Mixin for dataclasses that a notebook shows as text, and as the plot that ``plot(ax=None)`` draws."""
+    """Mixin for dataclasses that a notebook shows as text and as a plot, which the method ``plot(ax=None)`` draws."""
 
     def _repr_html_(self) -> str:
         return f"<div>{preformatted_html(repr(self))}{plot_html(self.plot)}</div>"  # type: ignore[attr-defined]

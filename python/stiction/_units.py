@@ -102,7 +102,7 @@ def quantity(text: object, kind: str) -> Quantity:
 
 
 def quantity_in_core_units(value: float, kind: str) -> Quantity:
-    """Convert a number in core units to a `Quantity` of a kind such as "pressure".
+    """Convert a number in core units to a `Quantity` of the given kind, such as "pressure".
 
     Raises a `ValueError` if the number is implausibly small or large.
     """
@@ -111,7 +111,7 @@ def quantity_in_core_units(value: float, kind: str) -> Quantity:
 
 
 def _find_unit_in_core(kind: str) -> str:
-    """Return the unit in which the C++ core computes a kind of quantity."""
+    """Return the core unit of the given kind of quantity, such as "GPa" for "pressure"."""
     return next(name for name, factor in _UNIT_FACTORS[kind].items() if factor == "1")
 
 
@@ -151,7 +151,7 @@ def loads_to_core_units(name: str, value: Any, area: float) -> Any:
         return value
     for kind, factor in (("force", 1.0), ("pressure", area)):
         try:
-            # Rounding to twelve digits removes the round-off of the unit conversion.
+            # The force is rounded to twelve digits, which removes the round-off of the unit conversion.
             return float(f"{quantity(value, kind) * factor:.12g}")
         except ValueError:
             continue
@@ -170,12 +170,12 @@ def is_pressure(value: Any) -> bool:
 
 
 def exact_quantity_text(value: float, unit: str) -> str:
-    """Return a number with its unit as text from which `quantity` parses exactly the same number."""
+    """Return a number with its unit as text with all digits, so that `quantity` parses exactly this number."""
     return f"{repr(float(value)).removesuffix('.0')} {unit}"
 
 
 def exact_quantity(value: float, unit: str) -> Quantity:
-    """Convert a number in core units to a `Quantity`, without the limits on the number that `quantity` checks."""
+    """Convert a number in core units to a `Quantity`, without the check for implausible numbers in `quantity`."""
     return Quantity(value, exact_quantity_text(value, unit))
 
 

@@ -333,7 +333,7 @@ def _create_directory(directory: Path) -> None:
 
 
 def _warn_about_other_steps(directory: Path, key: str) -> None:
-    """Warn about stored steps of an interrupted shear test with other inputs, another version or another machine."""
+    """Warn about stored steps of an interrupted shear test that had other inputs, or another version or machine."""
     names = [printable_path(path) for path in find_steps_with_other_keys(directory, 0, key)]
     if names:
         warnings.warn(
@@ -346,7 +346,7 @@ def _warn_about_other_steps(directory: Path, key: str) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _ShearTestSetup:
-    """Setup of a shear test: the test itself, and the varied inputs and the strips from which intervals follow."""
+    """Setup of a shear test: the test at central inputs, and for its intervals, variations of inputs and strips."""
 
     box: ShearBox
     offsets: NDArray[np.int64]
@@ -370,7 +370,7 @@ def _build_shear_test_setup(
 
 
 def _cut_strips(box: ShearBox, offsets: NDArray[np.int64], strips: Any) -> list[ShearBox]:
-    """Return a shear test for each strip of the faces, or raise an `ArgumentError` if `strips` is not possible."""
+    """Cut a shear test into one test per strip, or raise an `ArgumentError` if `strips` is no possible number."""
     if strips is None:
         boxes = box.cut_strips(offsets)
         return boxes if len(boxes) >= MIN_STRIPS else []
@@ -400,7 +400,7 @@ def _compute_shear_tests(
     num_steps = len(offsets)
 
     def solve(index: int) -> tuple[list[StepResult], xr.Dataset]:
-        """Compute the shear curve and the closure of one test, and report the progress over all tests."""
+        """Solve one shear test; return its curve and closure, and report the progress of all shear tests together."""
 
         def show_total_progress(num_finished: int, _: int) -> None:
             if progress is not None:
@@ -445,7 +445,7 @@ def _describe_interface(setup: _ShearTestSetup) -> dict[str, str]:
 
 
 def _shears_before_sliding(box: ShearBox) -> int:
-    """Return 1 if asperities shear before they slide, by slip-line theory at the central H/k, and 0 otherwise."""
+    """Return 1 if slip-line theory predicts that asperities shear before they slide, and 0 otherwise."""
     law = FrictionLaw(box.law.mu0, box.law.tau0, CENTRAL_SHEAR_RATIO, uses_slip_lines=True)
     return int(box.hardness is not None and bool(law.is_stronger_than_body(box.hardness)))
 

@@ -79,7 +79,7 @@ def page_data_json() -> str:
 
 
 def group_option_values(options: Iterable[tuple[str, str]]) -> dict[str, Any]:
-    """Convert pairs of option name and text to keyword arguments of `MeasuredPair.from_values`."""
+    """Convert pairs of an option name and a text, from the form, to keyword arguments of `MeasuredPair.from_values`."""
     texts_by_name: dict[str, list[str]] = {}
     for flag, text in options:
         texts_by_name.setdefault(_OPTION_NAMES_BY_FLAG[flag], []).append(text)
@@ -105,7 +105,7 @@ _PYTHON_ARGUMENT_PATTERN = re.compile(r'\b\w+="[^"]*" \((--[^()]*)\)')
 
 
 def find_first_option_name(message: str) -> str:
-    """Return the option name with which an error message begins.
+    """Return the option name at the start of an error message.
 
     Returns "" if the form has no field for this option.
     """
@@ -114,7 +114,7 @@ def find_first_option_name(message: str) -> str:
 
 
 def replace_option_names(message: str) -> str:
-    """Replace option names in the message of a command by the labels of form fields and choices."""
+    """Replace option names and option values in the message of a command by the labels in the app's form."""
 
     def field_label(match: re.Match[str]) -> str:
         field = FORM_FIELDS_BY_FLAG.get(match[1])

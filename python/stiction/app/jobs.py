@@ -34,10 +34,10 @@ MAX_SHUTDOWN_TIME = 5.0
 KILLED_PROCESS_TIMEOUT = 1.0  # s
 MAX_WAITING_JOBS = 8
 MAX_OUTPUT_BYTES = 2**25
-# Fraction of the machine's memory that a running command may use.
+# Fraction of the machine's memory that the command of a job may use.
 JOB_MEMORY_FRACTION = 0.5
 # Fraction of the machine's memory that a preview may use.
-# Another short process may run at the same time and use the same fraction of the memory.
+# A second short process of the app may use the same fraction at the same time.
 READER_MEMORY_FRACTION = 0.25
 SCOPE_TEXT_SUFFIX = ", here and in the pictures"
 # Last characters of the JSON record that a command prints. The command prints the record before it draws figures.
@@ -61,7 +61,7 @@ class RejectedRequestError(ValueError):
 
 
 def hide_private_paths(text: str, root: Path | str) -> str:
-    """Remove the app's private directory from all paths in a text, so that only the names of scans remain."""
+    """Remove the private directory of the app from all paths in a text, so that only the names of scan files remain."""
     return re.sub(rf"{re.escape(str(root))}/(?:files/\w+/)?", "", text)
 
 
@@ -73,14 +73,14 @@ class Job:
     title: str
     arguments: list[str]
     directory: Path
-    # Scans and options for the preview, which uses the asperity model, or None for a command without a preview.
+    # Scans and options from which the asperity model computes a preview, or None for a command without a preview.
     preview: tuple[list[str], Any] | None = None
     # State of the job: "waiting", "running", "done", "stopped" or "failed".
     state: str = "waiting"
     # Name, without extension, of the files that the user saves.
     file_stem: str = ""
     activity: str = ""
-    # Members that an intermediate result covers, as a text. The text is empty for the final result.
+    # Text that states which members an intermediate result covers. Empty for the final result.
     scope: str = ""
     finished: int = 0
     total: int = 0
@@ -201,7 +201,7 @@ class JobQueue:
         except asyncio.CancelledError:
             final_state, has_begun = "stopped", job.state == "running"
             job.state, job.activity = final_state, "reading the finished part"
-            # Reading the result fails if no result is stored yet, or if the surfaces do not touch.
+            # An error means that no result is stored yet, or that the surfaces do not touch.
             with suppress(*REPORTED_EXCEPTIONS):
                 if has_begun and not self._is_ending:
                     await self._read_result(job)
@@ -293,7 +293,7 @@ class JobQueue:
         num_reported = 2
         while True:
             await asyncio.sleep(POLL_INTERVAL)
-            # Reading the result fails while no result is stored, or if the surfaces do not touch.
+            # An error means that no result is stored yet, or that the surfaces do not touch.
             with suppress(*REPORTED_EXCEPTIONS):
                 stored_result = await asyncio.to_thread(open_stored_result, job.directory)
                 job.finished, job.total = stored_result.num_finished, stored_result.study.ensemble.repetitions
@@ -313,7 +313,7 @@ class JobQueue:
         # A preview gets less memory, because the command of the job runs at the same time.
         memory = READER_MEMORY_FRACTION if source else JOB_MEMORY_FRACTION
         response = json.loads(await run_module(arguments, memory=memory))
-        # The page stays unchanged if there is no preview, or if the page already shows a result of the command.
+        # Nothing is shown if there is no preview, or if the app already shows a result of the command.
         if response is None or (source and job.versions):
             return
         job.show_result(
@@ -352,12 +352,12 @@ def _print_unexpected_error(task: asyncio.Task[None]) -> None:
 
 
 def _read_shown_values(job: Job, record: str) -> dict[str, Any]:
-    """Return the coefficients and caveats that the app shows, from the JSON record that a job's command printed."""
+    """Read the coefficients and caveats that the app displays, from the JSON record that a job has printed."""
     return _read_shear_test(record) if job.arguments[0] == "shear" else _read_reported_point(record)
 
 
 def _read_shear_test(record: str) -> dict[str, Any]:
-    """Return peak coefficient, final coefficient and caveats of a shear test, from the JSON record of the test."""
+    """Read the peak coefficient, the final coefficient and the caveats of a shear test from the test's JSON record."""
     shear_record, lines = json.loads(record), []
     for name, place_text in (("peak_friction_coefficient", "at the peak"), ("end_friction_coefficient", "at the end")):
         entry = next(quantity for quantity in shear_record["values"] if quantity["name"] == name)
@@ -367,7 +367,7 @@ def _read_shear_test(record: str) -> dict[str, Any]:
 
 
 def _read_reported_point(record: str) -> dict[str, Any]:
-    """Return the result point that the app shows: the first point with "reported": true in the record of a pair.
+    """Read the result point that the app displays: the first point marked as reported in the JSON record of a pair.
 
     If the record has no result points, its remark is raised as an error.
     """
@@ -378,7 +378,7 @@ def _read_reported_point(record: str) -> dict[str, Any]:
 
 
 def memory_limit_command_prefix(memory: float) -> list[str]:
-    """Return a prefix that limits the memory of a command, and kills the command when its parent process ends.
+    """Return command words that start another command with limited memory, and kill it when its parent process ends.
 
     The prefix is empty if the system lacks the commands `setpriv` or `prlimit`.
     """
@@ -439,7 +439,7 @@ async def _start_module(
                 await asyncio.wait_for(process.wait(), grace_time)
         if process.returncode is None:
             process.kill()
-            # The process must end before the event loop closes, because the connection to the process would stay open.
+            # The killed process must end before the event loop closes. Otherwise, its connection would stay open.
             with suppress(TimeoutError):
                 await asyncio.wait_for(process.wait(), KILLED_PROCESS_TIMEOUT)
         error_task.cancel()

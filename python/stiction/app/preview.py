@@ -75,7 +75,7 @@ def preview_scan(file: str, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def compare_scans(files: Sequence[str], options: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return whether two scanned faces fit together, and a suggested length of the path for their shear test.
+    """Return whether two scanned faces fit together, and a suggested path length for a shear test of these faces.
 
     The path is a tenth of the scan length. Scans that cannot be read do not fit.
     """
@@ -107,7 +107,7 @@ def draw_lines_svg(*lines: Floats) -> str:
 
 
 def render_height_map_png(heights: Floats, extent: tuple[float, float]) -> bytes:
-    """Draw a height map as a PNG image in grey, with square pixels and the first row at the bottom.
+    """Draw a height map as a grey PNG image with square pixels, and with the first row of the map at the bottom.
 
     The grey levels equal those of the colour map of heights in other figures to within one level.
     """

@@ -55,7 +55,7 @@ MAX_TOTAL_SCAN_BYTES = 2_000_000_000  # bytes
 # Maximum size (bytes) of a request other than an upload of a scan.
 MAX_REQUEST_BYTES = 2**16
 MAX_REQUEST_TIME = 120.0  # s
-# A browser sends at most six requests at the same time.
+# Maximum number of simultaneous requests. A browser sends at most six requests at the same time.
 MAX_CONCURRENT_REQUESTS = 64
 MAX_SCAN_NAME_LENGTH = 60  # characters
 MAX_LISTED_RESULTS = 100
@@ -278,7 +278,7 @@ class Server:
             partial_path.rename(path)
             self.scans[scan_identifier] = path
         except OSError as error:
-            # Reading raises RuntimeError if the request has already ended.
+            # Reading the upload raises RuntimeError if the request has already ended.
             with suppress(RuntimeError):
                 # The browser shows the error message only after the whole upload has been read.
                 async for _ in request.stream():

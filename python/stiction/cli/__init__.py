@@ -64,7 +64,7 @@ def _redirect_closed_streams() -> None:
         try:
             os.fstat(number)
         except OSError:
-            # Standard input, output or error is closed.
+            # `os.fstat` fails if standard input, output or error is closed.
             # `os.open` returns the lowest free file descriptor, which is the number of the closed stream.
             null_device = os.open(os.devnull, os.O_RDWR)
             setattr(sys, name, os.fdopen(null_device, "w" if number else "r"))

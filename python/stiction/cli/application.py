@@ -44,7 +44,7 @@ def print_message(text: str, kind: str = "") -> None:
         _clear_line()
         print("\n".join(lines), file=sys.stderr, flush=True)
     except OSError:
-        # Printing fails if standard error is closed, or if the disk of its file is full.
+        # Printing fails if standard error is closed, or if it is redirected to a file on a full disk.
         _redirect_to_null_device(sys.stderr)
 
 
@@ -147,7 +147,7 @@ def format_help_epilog(*lines: str) -> str:
     return "\b\n" + "\n".join(["Examples:", *(f"  {line}" for line in lines), "", EXIT_STATUS_HELP])
 
 
-# Typer prints a default in parentheses if the default is described by a text.
+# In the help, Typer prints a default that is described by a text in parentheses.
 _DEFAULT_VALUE_PATTERN = re.compile(r"\[default: \(([^()]*)\)")
 _RANGE_LIMITS_PATTERN = re.compile(r"(; )?\bx[<>]=?[-\d.]+")
 # Typer appends the type of an option to the option's name.
@@ -159,7 +159,7 @@ SHOW_ALL_OPTIONS_KEY = "stiction.show_all"
 
 
 def option_was_given(context: typer.Context, name: str) -> bool:
-    """Return whether the command line contains an option or argument, even if its value equals the default."""
+    """Return whether the user gave an option or argument on the command line, even with the default value."""
     parameter_source = context.get_parameter_source(name)
     return parameter_source is not None and parameter_source.name != "DEFAULT"
 
@@ -237,7 +237,7 @@ class _LazyCommandGroup(TyperGroup):
             raise report_interruption() from None
 
 
-# Rich would take half of the time in which the help is printed, so its markup is disabled.
+# Rich would take half of the time for printing the help, so the markup of Rich is disabled.
 _TYPER_OPTIONS: dict[str, Any] = {
     "rich_markup_mode": None, "pretty_exceptions_enable": False, "add_completion": False,
     "context_settings": {"help_option_names": ["-h", "--help"]},
@@ -288,7 +288,7 @@ def run_command_line() -> int:
     """Run the command in `sys.argv` and return the exit status."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            # Characters that the encoding lacks are printed as "?".
+            # Characters that the encoding of the stream lacks are printed as "?".
             stream.reconfigure(errors="replace")
     warnings.showwarning = print_warning
     _ALREADY_PRINTED_WARNINGS.clear()
@@ -364,7 +364,7 @@ def _add_command_suggestion(message: str) -> str:
 
 @contextmanager
 def _reraise_hidden_interrupts() -> Iterator[None]:
-    """Raise KeyboardInterrupt instead of an exception, such as an ImportError, that Ctrl-C has caused."""
+    """Raise KeyboardInterrupt if Ctrl-C caused another exception, such as an ImportError, in the `with` block."""
     try:
         yield
     except Exception as error:
@@ -377,7 +377,7 @@ def _reraise_hidden_interrupts() -> Iterator[None]:
 
 
 def _handle_unraisable(unraisable: Any) -> None:
-    """Raise a KeyboardInterrupt in the main thread if a destructor raised one, because Python ignores such errors.
+    """Raise KeyboardInterrupt in the main thread if Ctrl-C interrupted a destructor, whose errors Python ignores.
 
     An AttributeError is ignored: the destructor of an object raises it if the constructor was interrupted.
     """

@@ -238,7 +238,7 @@ def _choose_scan_names(files: list[Path]) -> list[str]:
 def _print_scan_comparison(
     files: list[Path], scans: list[Characterisation], outputs: list[Path], *, as_json: bool
 ) -> None:
-    """Print the comparison of two scans of the same area, and write the requested files."""
+    """Print the comparison of two scans of the same area, and write the output files that the user requests."""
     from stiction.cli.result_output import choose_message_printer
     from stiction.surfaces.measured.writing import write_profile, write_surface
     from stiction.surfaces.profile import Profile

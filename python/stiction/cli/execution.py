@@ -30,7 +30,7 @@ def open_executor(workers: int | None, scheduler: str | None) -> contextlib.Abst
         return thread_pool_executor(workers)
     if workers is not None:
         raise StudyError("--workers must not be combined with --scheduler")
-    # At the start, `main` sets `sys.modules["dask"]` to None, which prevents the import of Dask.
+    # To prevent the import of Dask, `main` has set `sys.modules["dask"]` to None. A cluster needs Dask.
     if sys.modules.get("dask") is None:
         sys.modules.pop("dask", None)
     return connect_to_cluster(scheduler)
@@ -57,7 +57,7 @@ def check_output_directory(directory: Path) -> None:
 
 
 def _conflict_advice(error: StudyMismatchError, study: Study, *, is_replaceable: bool) -> str:
-    """Return the advice in the error message if the output directory contains another study."""
+    """Return the advice for the error message that the output directory contains another study."""
     remedies = ["choose another directory with --output DIR"]
     if is_replaceable:
         remedies.append("overwrite the stored result with --replace")
@@ -94,7 +94,7 @@ def compute_result_in_directory(
         raise error.with_remedy(_conflict_advice(error, study, is_replaceable=is_replaceable)) from None
     except KeyboardInterrupt:
         resume_text = ""
-        # Opening fails if no result is stored yet. This error is not reported.
+        # Opening the result fails if no result is stored yet. The error is not reported.
         with contextlib.suppress(StoreError):
             stored_result = open_stored_result(directory)
             count_text = study.member_names.with_count(stored_result.study.ensemble.repetitions)

@@ -158,7 +158,7 @@ def pair(
     studies = measured_pair.studies
     # The surfaces are checked before any file is written.
     find_body_attributes(studies[0])
-    # If the first remark states the source of the elastic constants, it is skipped: the result states this source.
+    # The first remark may state the source of the elastic constants, which the result states, too.
     first_remark = 0 if verbose else bool(measured_pair.elasticity.source)
     for remark in measured_pair.remarks[first_remark:]:
         print_message(remark)
@@ -217,7 +217,7 @@ def pair(
 
 
 def compute_preview_line(study: Study) -> str:
-    """Return a line with a preview of the friction coefficient, from the first few members.
+    """Compute the first few members of a study, and return a line of text with a preview of the friction coefficient.
 
     Raises `ValueError` if the surfaces do not touch.
     """
@@ -228,7 +228,10 @@ def compute_preview_line(study: Study) -> str:
 
 
 def submit_preview(study: Study | None, executor: Executor) -> None:
-    """Compute a preview in one worker and print it, if a study is given and standard error is a terminal."""
+    """Compute a preview of the coefficient in a worker and print it, if standard error is a terminal.
+
+    Nothing is computed if `study` is None.
+    """
 
     def print_preview(future: Future[str]) -> None:
         # The preview fails if the surfaces do not touch.

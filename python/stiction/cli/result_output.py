@@ -31,7 +31,7 @@ VERBOSE_OPTION = "--verbose"
 
 
 def complete_output_command(result: Result) -> str:
-    """Return the command that prints all points and caveats of a stored result without a new computation."""
+    """Return the command that prints all result points and caveats of a stored result without computing them again."""
     return f"stiction info {shlex.quote(printable_path(result.path or Path()))} {VERBOSE_OPTION}"
 
 
@@ -55,7 +55,7 @@ def print_result(result: Result, *, verbose: bool = False) -> None:
 
 
 def print_pair_values(result: Result, *, verbose: bool = False) -> None:
-    """Print the friction of a measured pair, without its cutoff study and its onset of sliding."""
+    """Print the friction of a measured pair, but neither the cutoff study nor the onset of sliding."""
     options: dict[str, Any] = {"max_lines": MAX_CAVEAT_LINES, "complete_command": complete_output_command(result)}
     print_output(main_values_text(_summarize(result), verbose=verbose, **options))
 
@@ -122,7 +122,7 @@ def _write_result_files(result: Result, directory: Path) -> list[str]:
     from stiction.views.report import evaluate_report
 
     report_path = directory / "report.html"
-    # An error is suppressed here, because drawing the report raises the same error again.
+    # If the evaluation fails, no error is raised here, because drawing the report raises the same error.
     with contextlib.suppress(ValueError):
         # Report and figure are drawn in two processes. Both need the quantities at all loads, which are evaluated here.
         result.at_report_loads  # noqa: B018

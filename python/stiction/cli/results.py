@@ -170,7 +170,7 @@ def export(
     from stiction.views.files import check_joint_file, is_card
 
     chosen_units: Any = units
-    # In the directory of a study, a file named like a shear test may be an export of the study.
+    # In the directory of a study, a file with the name of a shear test may be an exported result of the study.
     has_study = (directory / STUDY_FILE).exists()
     if not has_study and (test := load_shear_test(directory)) is not None:
         reject_options(context, "does not apply to shear tests", "load", "compute", "workers", "closure_from")
@@ -203,7 +203,7 @@ def export(
 def _compute_joint(
     result: Result, directory: Path, workers: int | None, loads: list[float] | None, closure_from: str | None
 ) -> Result:
-    """Compute a pair at the loads of its joint table, or at given loads (mN) in addition to the loads of its study.
+    """Compute a pair at the loads that its joint table needs or, if `loads` is given, also at these loads (mN).
 
     A result of another study in the directory is replaced.
     """

@@ -1,1 +1,1 @@
-"""Computations in addition to a result: onset of sliding, scaled heights, several cutoffs, and single contacts."""
+"""Results in addition to the main result: onset of sliding, scaled heights, several cutoffs, and single contacts."""

@@ -59,12 +59,12 @@ _CONTACT_VARIABLE_SPECS = {
     "contact_at_edge": ("at_edge", "1", "whether a contact reaches the edge of the scans"),
 }
 
-# Suffixes of column titles, which state the unit of each dimension.
+# Suffix of the column title for each dimension, which states the unit.
 _COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um"}
 
 
 def contact_picture(result: MemberSums | xarray.Dataset, load: float | None = None) -> xarray.Dataset | None:
-    """Compute heights, contacts and pressures of a typical member, whose true area is closest to the mean over members.
+    """Compute heights, contacts and pressures of the typical member, whose true area is nearest to the mean area.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def contact_picture(result: MemberSums | xarray.Dataset, load: float | None = No
 
 
 def compute_loading_cycle(result: MemberSums) -> xarray.Dataset | None:
-    """Compute load, true area and approach of a typical member during adhesive loading and unloading.
+    """Compute load, true area and approach of one typical pair of bodies during adhesive loading and unloading.
 
     Returns None for bodies without adhesion, or if the solver fails.
     """
@@ -170,14 +170,14 @@ def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
 _CONTACT_PICTURE_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
     "member": AttributeSpec(dtype=int, bounds=(0, STORED_VALUE_BOUNDS[1])),
     "load_mN": AttributeSpec(bounds=POSITIVE_STORED_VALUE_BOUNDS),
-    # The shift of a map is NaN for surrogates, which have no position.
+    # Surrogates have no position, so the shift (x, y) of their maps is NaN.
     "x": AttributeSpec(may_be_nan=True),
     "y": AttributeSpec(may_be_nan=True),
 }
 
 
 def find_index_nearest_to_mean(area: Floats) -> int:
-    """Return the index of the area that is closest to the mean area.
+    """Return the index of the member whose true area is closest to the mean of the given areas.
 
     NaN areas are ignored.
     """
@@ -239,7 +239,7 @@ def _build_map_picture_dataset(solution: PressedPair, table: ContactList) -> xar
 
 
 def _build_disc_map(lower: Surface, table: ContactList) -> NDArray[Any]:
-    """Return a map of contact numbers, in which each asperity contact is a disc with the area of the contact."""
+    """Return a map with the number of an asperity contact at all points of a disc with the area of the contact."""
     contact_numbers, (dy, dx) = np.zeros(lower.heights.shape, np.int32), lower.spacing
     for number, (x, y, radius) in enumerate(zip(table.x, table.y, np.sqrt(table.area / np.pi), strict=True), 1):
         first_indices, last_indices = (
@@ -307,7 +307,7 @@ def _validate_member_indices(members: int | Sequence[int], available: list[int])
 def _select_members_at_loads(
     areas: xarray.DataArray, loads: Floats, indices: list[int] | None
 ) -> Iterator[tuple[float, int]]:
-    """Yield tuples (load in mN, member index): all selected members or, by default, the typical member at each load."""
+    """Yield pairs of load (mN) and member index: selected members or, by default, the typical member at each load."""
     for load in loads.tolist():
         if indices is not None:
             yield from ((load, index) for index in indices)

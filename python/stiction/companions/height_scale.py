@@ -152,7 +152,7 @@ def _find_enclosing_powers_of_two(low: float, high: float) -> Floats:
 
 
 def find_missing_factors(factors: Floats, solved_factors: Floats) -> Floats:
-    """Return the height factors that must be computed to allow interpolation at all requested factors.
+    """Return the height factors to compute, so that friction can be interpolated at all requested height factors.
 
     These are the requested factors that cannot be interpolated or, if they are fewer, the powers of 2 that enclose
     those factors.
@@ -167,7 +167,7 @@ def find_missing_factors(factors: Floats, solved_factors: Floats) -> Floats:
 
 
 def _find_enclosing_indices(solved_factors: Floats, factor: float) -> tuple[int, int] | None:
-    """Return the indices of the computed height factors directly below and above a requested factor.
+    """Return the indices of the two computed height factors that enclose a requested height factor.
 
     Both indices are equal if the requested factor itself was computed. Returns None if no two computed factors enclose
     the requested factor, or if they differ too much for an interpolation.
@@ -385,7 +385,7 @@ def evaluate_at_height_factors(
 
 
 def _get_member_values(members: xarray.Dataset, name: str, dims: Sequence[Any]) -> Floats | None:
-    """Return a quantity as an array with the members along the first axis, followed by the axes `dims`.
+    """Return a quantity of each member as an array, with the members on the first axis and `dims` on the next axes.
 
     Returns None if the members do not have the quantity.
     """

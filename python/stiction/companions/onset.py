@@ -107,7 +107,7 @@ def compute_onset(
 
 
 def _find_onset_members(study: Study, count: int | None) -> range:
-    """Return the indices of the members for which the onset of sliding is computed.
+    """Return the indices of the members (pairs of bodies) for which the onset of sliding is computed.
 
     The range is empty for generated bodies, and for mu0 = tau0 = 0.
     """
@@ -148,7 +148,7 @@ def compute_member_onset(
             {"tolerance": TRACTION_TOLERANCE} if isinstance(pressed_pair.curve, HalfSpaceCurve) else {}
         )
         onset = pressed_pair.curve.onset(0, mu0=mu0, tau0=tau0, steps=ONSET_LOAD_FRACTIONS, poisson=poisson, **options)
-    # The curve is missing if the solver failed, or if the contact law does not describe the onset of sliding.
+    # The onset curve is missing if the solver failed, or if the contact law does not describe the onset of sliding.
     except (NoSolutionError, ValueError):
         return None
     curve: dict[str, Any] = {
@@ -276,7 +276,7 @@ class OnsetCurvePoint:
     displacement: Estimate  # µm
     # Slipping fraction of the contact area.
     slipped_area: Estimate
-    # Fraction of the normal load on slipping contacts.
+    # Fraction of the normal load that slipping contacts carry.
     slipped_load: Estimate
     # Energy (mN µm) dissipated in a load cycle whose amplitude is the tangential load.
     energy_lost: Estimate
@@ -295,7 +295,7 @@ class OnsetSummary:
     tau0: float  # GPa
     num_members: int
     poisson_ratio: tuple[float, ...]  # of both bodies
-    # True if the user gave Poisson's ratio, and False if the default was assumed.
+    # True if the user gave Poisson's ratios, and False if the default was assumed.
     is_poisson_ratio_given: bool
     sliding_load: Estimate  # tangential load, mN
     displacement_at_sliding: Estimate  # µm
@@ -310,7 +310,7 @@ class OnsetSummary:
 
 
 def read_onset_summary(onset: xarray.Dataset) -> OnsetSummary:
-    """Read the means and intervals of the onset from a dataset that `compute_onset` or `scale_onset` returned."""
+    """Read the mean onset of sliding, with intervals, from a dataset that `compute_onset` or `scale_onset` returned."""
     attributes = onset.attrs
 
     def read(table: xarray.DataArray) -> Estimate:
@@ -345,7 +345,7 @@ def read_onset_summary(onset: xarray.Dataset) -> OnsetSummary:
 
 # ---- Files stored with a result -------------------------------------------------------------------------------------
 
-# Lower and upper bound of numbers that may be infinite in a stored file, such as stiffnesses.
+# Bounds of stored numbers that may be infinite, such as stiffnesses.
 _BOUNDS_THAT_INCLUDE_INFINITY = (-math.inf, math.inf)
 
 _ONSET_VARIABLE_SPECS: dict[str, VariableSpec] = {
@@ -442,7 +442,7 @@ _MICROMETRE_ATTRIBUTES = {"units": "um"}
 
 
 def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
-    """Return a map of the tangential load at which each grid point starts to slip, relative to the sliding load.
+    """Return a map of slip loads: the tangential load at which each point starts to slip, divided by the sliding load.
 
     In the asperity model, each contact has such a load instead of each grid point. The variables include the heights of
     the lower body. In large maps, each block of neighbouring points is represented by the point that slips first. For
@@ -481,7 +481,7 @@ def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
 
 
 def _find_block_minima(values: Floats, block_size: int) -> Floats:
-    """Return the smallest number in each square block of a map, or NaN for a block that contains only NaN."""
+    """Return the minimum of each square block of a map, ignoring NaN; NaN for a block without numbers."""
     rows, columns = (-(-size // block_size) * block_size for size in values.shape)
     padded_map = np.full((rows, columns), np.inf)
     padded_map[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), np.inf, values)

@@ -54,7 +54,7 @@ MAX_CUTOFF_TO_SIDE_RATIO = 1 / 30
 
 
 def build_cutoff_study(study: Study) -> Study | None:
-    """Return the study of a measured pair at several cutoffs, with a few members and only the requested loads.
+    """Return the study that computes a measured pair at several cutoffs, with few members and only requested loads.
 
     The first cutoff is the cutoff of the original study. The second cutoff is the shortest resolved wavelength if the
     scans are unfiltered, or twice the first cutoff if they are filtered. Each further cutoff is twice the previous one.
@@ -111,7 +111,7 @@ def find_cutoff_study(study: Study, path: Path) -> CompanionStudy | None:
 
 
 def _find_first_scan_member(study: Study) -> int:
-    """Return the index of the first member that consists of scans instead of surrogates.
+    """Return the index of the first member that is cut from scans instead of surrogates.
 
     Returns 0 if all members are surrogates.
     """
@@ -158,7 +158,7 @@ class ResolvedRoughness:
     two_points: float
     # Longest side (µm) of the pressed bodies.
     longest: float
-    # Rms gradient of the gap of the first member.
+    # Rms gradient of the gap between the bodies of the first member.
     gradient: float
     roughness: ScaleDependentRoughness
     # Fitted Hurst exponent of the gap, or None if no band of the spectrum is self-affine.
@@ -166,11 +166,11 @@ class ResolvedRoughness:
 
     @property
     def shortest_octave_fraction(self) -> float:
-        """Fraction of the gap's mean square slope in the shortest resolved octave of wavelengths."""
+        """Fraction of the mean square slope of the gap that the shortest resolved octave of wavelengths contributes."""
         return float(self.roughness.fraction_below(2 * self.shortest))
 
     def find_yield_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
-        """Estimate the cutoff (µm) at which elastic contacts have `ratio` times the pressure without a cutoff.
+        """Estimate the cutoff (µm) at which the pressure of elastic contacts is `ratio` times that without a filter.
 
         The scans contain all wavelengths from the shortest resolved one. Returns the cutoff with its lower and upper
         limit.
@@ -231,7 +231,7 @@ def _compute_resolved_roughness(study: Study) -> ResolvedRoughness:
 
 
 def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | None:
-    """Return lower bounds of mu_s and of the area fraction, which hold for all finer scans if the contacts yield.
+    """Return lower bounds on mu_s and on the area fraction for all finer scans, if the bodies can yield.
 
     With friction at all contacts, the bound of mu_s is mu0 + tau0/H'. If the interface is stronger than the softer body
     with shear strength k, the bound is k/(H/2). The bound of the area fraction is p/H, where p is the nominal pressure.
@@ -245,7 +245,7 @@ def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, floa
 
 @dataclass(frozen=True)
 class YieldWavelengthEstimate:
-    """Cutoff (µm) at which the elastic contact pressure equals a given hardness H, and friction mu0 + tau0/H."""
+    """Cutoff (µm) at which elastic contacts reach a hardness H, and the friction mu0 + tau0/H of yielding contacts."""
 
     hardness: float
     # Cutoff wavelength (µm), or NaN if the pressure does not reach the hardness at any cutoff.
