@@ -14,6 +14,7 @@ from stiction import (
     Study,
     effective_modulus,
     hardness_under_shear,
+    open_result,
     run,
     self_affine,
     self_affine_surface,
@@ -805,6 +806,38 @@ def test_pair_command_resumes_with_the_same_options_and_rejects_different_option
     )
     check_stiction(*command, "--shifts", 2, "--rotate", 10, "--replace", cwd=scans_directory)
     assert store.open_stored_result(scans_directory / "areas").finished_members.size == 2
+
+
+@pytest.mark.parametrize(
+    ("options", "is_assumed"),
+    [
+        ([], True),
+        (["--mechanics", "half-space"], True),
+        (["--lay", "grooves"], None),
+        (["--law", "hertz-cylinder"], None),
+    ],
+)
+def test_study_of_two_profiles_states_that_the_lay_is_assumed_without_lay_and_law(scans_directory, options, is_assumed):
+    study = parse_study(scans_directory, *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, *options)
+    assert study.surfaces.lay_assumed is is_assumed
+
+
+@pytest.mark.usefixtures("disable_figures", "no_reports", "omit_companion_files")
+@pytest.mark.parametrize("lays", [("grooves", None), (None, "grooves")])
+def test_pair_command_reuses_stored_positions_if_only_the_assumption_of_the_lay_differs(
+    scans_directory, tmp_path, lays
+):
+    command = ["pair", *PROFILE_FILES, *MATERIAL_OPTIONS, *LOAD_OPTION, "--mechanics", "half-space", "--offsets", 8]
+    commands = [
+        [*command, "--onset", 0, "-o", tmp_path / "pair", *([] if lay is None else ["--lay", lay])] for lay in lays
+    ]
+    check_stiction(*commands[0], cwd=scans_directory)
+    blocks = sorted((tmp_path / "pair/blocks").iterdir())
+    contents = [block.read_bytes() for block in blocks]
+    blocks[-1].unlink()  # as if the first run had been interrupted
+    assert "6 of 8 positions already existed" in check_stiction(*commands[1], cwd=scans_directory).stdout
+    assert [block.read_bytes() for block in blocks[:-1]] == contents[:-1]
+    assert open_result(tmp_path / "pair").study.surfaces.lay_assumed is (True if lays[1] is None else None)
 
 
 @pytest.mark.usefixtures("disable_figures", "no_reports", "omit_companion_files")

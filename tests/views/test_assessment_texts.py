@@ -234,6 +234,15 @@ def test_assumed_lay_adds_a_caveat_if_the_interval_excludes_the_coefficient_with
         assert point.assessment == "Quote with care"
 
 
+@pytest.mark.parametrize(("half_width_ratio", "has_caveat"), [(0.01, True), (0.1, False)])
+def test_caveat_about_assumed_spherical_asperities_states_no_direction(half_width_ratio, has_caveat):
+    study = measured_study(press="lines", mechanics="asperities", adhesion=None, mu0=(0.2,))
+    study = study.with_changes({"surfaces.lay_assumed": True})
+    point = summarize_single_point(measured_result(all_contacts=0.21, half_width_ratio=half_width_ratio), study)
+    texts = [caveat.text for caveat in point.caveats if "the lay is assumed" in caveat.text]
+    assert texts == ["the lay is assumed: spherical asperities on both faces"] * has_caveat
+
+
 @pytest.mark.parametrize(
     ("numbers", "study"),
     [

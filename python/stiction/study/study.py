@@ -771,14 +771,15 @@ def find_member_differences(first_study: Study, second_study: Study) -> list[Stu
     """List the keys that affect members and differ between two studies, with the values in both studies.
 
     Members depend on the central values of inputs, but not on the ranges. Members do not depend on the section
-    `[friction]`, on the area loss under shear, on the depth of the indentation, on figures, or on file paths. If bodies
-    yield, the stored elastic areas serve every exponent of the yielding area.
+    `[friction]`, on the area loss under shear, on the depth of the indentation, on whether the lay was assumed, on
+    figures, or on file paths. If bodies yield, the stored elastic areas serve every exponent of the yielding area.
     """
     has_same_areas = (first_study.contact.yield_exponent is None) == (second_study.contact.yield_exponent is None)
     ignored_keys = (
         "contact.young",
         "contact.area_loss",
         "contact.indent",
+        "surfaces.lay_assumed",
         *(["contact.yield_exponent"] if has_same_areas else []),
     )
     return [

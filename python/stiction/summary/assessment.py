@@ -846,19 +846,24 @@ def find_lay_caveats(
 ) -> Iterator[Caveat]:
     """Yield a caveat if the lay of two profiles is assumed, and if another lay may change the coefficient.
 
-    The lay only changes the contribution of roughness to the coefficient. Without grooves, the true area is smaller,
-    and the contribution lies between 0 and its value with grooves. There is no caveat if the interval contains the
-    coefficient without this contribution.
+    The lay only changes the contribution of roughness to the coefficient. If grooves are assumed, the true area without
+    grooves is smaller, and the contribution lies between 0 and its value with grooves. There is no caveat if the
+    interval contains the coefficient without this contribution. If spherical asperities are assumed, another lay may
+    change the coefficient in either direction, and the interval must also contain the coefficient with twice this
+    contribution.
     """
     is_lower_limit = coefficient.status == friction.STATUS_BULK_SHEAR
     if not getattr(study.surfaces, "lay_assumed", None) or math.isnan(coefficient.value) or is_lower_limit:
         return
-    text = f"the lay is assumed: {'parallel grooves' if has_grooves(study) else 'spherical asperities'} on both faces"
+    are_grooves_assumed = has_grooves(study)
+    text = f"the lay is assumed: {'parallel grooves' if are_grooves_assumed else 'spherical asperities'} on both faces"
     if roughness_contribution is not None:
         lowest_coefficient = coefficient.value - roughness_contribution
-        if coefficient.lower <= lowest_coefficient <= coefficient.upper:
+        limits = [lowest_coefficient, *([] if are_grooves_assumed else [coefficient.value + roughness_contribution])]
+        if all(coefficient.lower <= limit <= coefficient.upper for limit in limits):
             return
-        text += f"; with another lay, the coefficient may be anything down to {lowest_coefficient:.3f}"
+        if are_grooves_assumed:
+            text += f"; with another lay, the coefficient may be anything down to {lowest_coefficient:.3f}"
     yield Caveat(text, "specify --lay grooves or, for faces without grooves, --lay isotropic", "caution")
 
 
