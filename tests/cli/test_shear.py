@@ -1,6 +1,7 @@
 """Tests of `stiction shear` and of stored shear tests: output files, resumption, messages."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -17,8 +18,10 @@ from stiction import (
     open_result,
     read_surface,
     self_affine_surface,
+    shear_gap,
     shear_test,
 )
+from stiction.evaluate.shear_intervals import list_variations
 from stiction.solve import members_in_progress
 from stiction.solve.store import export
 from stiction.views.figures.shear import shear_figure
@@ -193,6 +196,22 @@ def test_shear_test_does_not_resume_from_steps_that_another_version_of_its_modul
     with pytest.warns(UserWarning, match=f"{steps_directory.name}: steps of a shear test that was interrupted"):
         shear_test(*create_faces(), **options)
     assert list((tmp_path / "test/in_progress").iterdir()) == [steps_directory]
+
+
+def test_shear_test_does_not_resume_from_steps_with_other_limits_of_an_uncertain_input(tmp_path, monkeypatch):
+    monkeypatch.setattr(members_in_progress, "STORAGE_INTERVAL", -1.0)
+    options = {"path": "0.2 mm", "steps": 2, "mu0": 0.6, "hardness": "150..250 MPa", **LOAD_AND_ELASTICITY}
+    options |= {"strips": 0, "directory": tmp_path / "test"}
+    with pytest.raises(KeyboardInterrupt):
+        shear_test(*create_faces(), progress=Interruption(5), **options)
+    (steps_directory,) = (tmp_path / "test/in_progress").iterdir()
+
+    def list_other_variations(samples):
+        return [replace(variation, ratio=1.01 * variation.ratio) for variation in list_variations(samples)]
+
+    monkeypatch.setattr(stiction.direct_shear, "list_variations", list_other_variations)
+    with pytest.warns(UserWarning, match=f"{steps_directory.name}: steps of a shear test that was interrupted"):
+        shear_test(*create_faces(), **options)
 
 
 @pytest.mark.parametrize(
@@ -408,9 +427,10 @@ def test_shear_test_of_an_earlier_version_is_opened_but_has_no_gap_to_export(tmp
     export(old_test, tmp_path / "shear/shear.nc", replace=True)
     xarray.testing.assert_identical(shear_test(*create_faces(), **options).drop_attrs(), old_test.drop_attrs())
     assert "stiffness" not in shear_text(old_test)
-    assert_rejected(
-        call_stiction("export", "shear", "gap.npy", "--gap", cwd=tmp_path), "repeat the test with --replace"
-    )
+    remedy = "repeat the test with stiction shear --replace, or with shear_test(..., replace=True)"
+    assert_rejected(call_stiction("export", "shear", "gap.npy", "--gap", cwd=tmp_path), remedy)
+    with pytest.raises(ValueError, match=re.escape(remedy)):
+        shear_gap(old_test)
     assert "gap" in shear_test(*create_faces(), **options, replace=True)
 
 

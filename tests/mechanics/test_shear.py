@@ -17,7 +17,7 @@ from stiction import (
     shear_gap,
     shear_test,
 )
-from stiction.evaluate.shear_intervals import add_shear_intervals
+from stiction.evaluate.shear_intervals import ShearInputSamples, add_shear_intervals
 from stiction.mechanics.joint_closure import fit_bandis_law
 from stiction.views.shear import headline_estimates, list_caveats
 
@@ -407,6 +407,14 @@ def test_dilation_and_closure_have_no_interval_if_no_uncertain_input_affects_the
     for name in ("dilation", "closure"):
         assert f"{name}_interval" not in result
     assert "dilation_interval" in by_hardness
+    # The same is true if the contact has no solution at one displacement and no stiffness at one stress.
+    test = run_shear_test(create_rough_map(), **options | {"mu0": 0.6}, hardness="200 MPa")
+    test["dilation"][-1] = test["closure_stiffness"][-1] = np.nan
+    mu0, probabilities = np.linspace(0.58, 0.62, 64), (np.arange(64) + 0.5) / 64
+    with_intervals = add_shear_intervals(test, [ShearInputSamples(mu0, np.zeros(64), {}, probabilities)], [], [])
+    assert "friction_coefficient_interval" in with_intervals
+    for name in ("dilation", "closure", "closure_stiffness"):
+        assert f"{name}_interval" not in with_intervals
 
 
 # ---- Strips ----------------------------------------------------------------------------------------------------------

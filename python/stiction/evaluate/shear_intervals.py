@@ -374,6 +374,6 @@ def _add_interval_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.D
         )
         for name in (*CURVE_NAMES, *CLOSURE_NAMES)
         # A curve that is the same for all inputs and strips has no interval: its uncertainty is unknown, and not 0.
-        if not (limits[name][..., 0] == limits[name][..., 1]).all()
+        if not (limits[name][..., 0] == limits[name][..., 1])[~np.isnan(test[name].values)].all()
     }  # fmt: skip
     return test.assign_coords(end=["lower", "upper"]).assign(variables).assign_attrs(attributes)

@@ -581,7 +581,8 @@ def check_gap(test: xr.Dataset) -> None:
     if "gap" not in test:
         raise ArgumentError(
             "the shear test must contain the gap of the faces and their closure, got a dataset without a gap; if an "
-            "earlier version stored the test, repeat the test with {replace}"
+            "earlier version stored the test, repeat the test with stiction shear --replace, or with "
+            "shear_test(..., replace=True)"
         )
 
 
