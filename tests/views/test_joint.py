@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 import pandas
 import pytest
-from stiction import Study, half_space, material, open_result, pair, run, self_affine_surface
+from stiction import half_space, material, open_result, pair, self_affine_surface
 from stiction.study.members import read_measured_bodies
 from stiction.summary.evaluation import Evaluation
-from stiction.summary.joint_table import STIFFNESS_OVER_MEASURED_STIFFNESS
+from stiction.summary.joint_table import STIFFNESS_OVER_MEASURED_STIFFNESS, build_joint_table
 from stiction.views.files import summary_csv
 from support.command import assert_rejected, call_stiction, check_stiction
 
@@ -337,6 +337,54 @@ def test_exported_curve_starts_with_the_stiffness_at_the_pressure_from_which_clo
     assert "Below 20 MPa, from which the closure is counted, the curve is a straight line" in words
 
 
+def build_table_without_stiffness(result, loads, start, load_without_stiffness, statistics):
+    """Return the joint table of a result, after the stiffness at one load was replaced by NaN."""
+    at = result.at(loads)
+    is_removed = (at["load"] == load_without_stiffness) & at["statistic"].isin(statistics)
+    at["closure_stiffness"] = at["closure_stiffness"].where(~is_removed)
+    return build_joint_table(at, result.study, "mm,N,MPa", dict.fromkeys(loads, "Quote it"), start)
+
+
+def test_closure_has_an_interval_unless_the_stiffness_between_its_pressure_and_the_start_is_unknown(result, table):
+    loads = [row.load for row in table.rows]
+    start, count = 5, len(loads)
+    for index, expected in ((2, range(3, count)), (start + 2, range(start + 2))):
+        shifted_table = build_table_without_stiffness(result, loads, loads[start], loads[index], ["lower", "upper"])
+        with_interval = [
+            number for number, row in enumerate(shifted_table.rows) if row.estimates["closure"].has_interval
+        ]
+        assert with_interval == [number for number in expected if number != start]
+
+
+def test_joint_table_rejects_a_start_of_the_closure_at_which_the_stiffness_is_unknown(result, table):
+    loads = [row.load for row in table.rows]
+    message = "closure_from must be a pressure at which the stiffness of closure is known, got "
+    with pytest.raises(ValueError, match=message):
+        build_table_without_stiffness(result, loads, loads[5], loads[5], ["mean", "lower", "upper"])
+
+
+@pytest.mark.parametrize("name", ["card.inp", "card.mac"])
+def test_intervals_in_comments_of_a_card_contain_the_closures_of_the_card(result, directory, name):
+    for closure_from in (None, "20 MPa"):
+        card = export_text(result, directory / name, closure_from=closure_from)
+        pattern = r"^([-\d.e+]+), ([-\d.e+]+)$" if name == "card.inp" else r"^TBPT,,([-\d.e+]+),([-\d.e+]+)$"
+        points = np.array(re.findall(pattern, card.split("*FRICTION")[0], re.MULTILINE), float)[
+            :, :: -1 if name == "card.mac" else 1
+        ]
+        rows = re.findall(r"^(?:\*\*|!) ([\d.e+-]+); (?:\[([\d.e+-]+), ([\d.e+-]+)\])?;", card, re.MULTILINE)
+        limits_by_pressure = {float(pressure): limits for pressure, *limits in rows}
+        curve = [(pressure, closure) for pressure, closure in points.tolist() if pressure > 0]
+        assert {pressure for pressure, limits in limits_by_pressure.items() if limits[0]} == {
+            pressure for pressure, _ in curve if pressure != 20 or closure_from is None
+        }
+        for pressure, closure in curve:
+            if limits_by_pressure[pressure][0]:
+                lower, upper = map(float, limits_by_pressure[pressure])
+                assert lower < closure < upper
+        assert len(limits_by_pressure) > len(curve) if closure_from else len(limits_by_pressure) == len(curve)
+        assert "are negative" not in " ".join(re.sub(r"(?m)^(\*\*|!) ", "", card).split())
+
+
 def test_exported_joint_files_state_the_error_of_the_model_and_from_which_pressure_closures_are_counted(
     result, directory
 ):
@@ -390,8 +438,14 @@ def test_export_command_writes_joint_tables_and_rejects_wrong_options(result, di
     with pytest.raises(ValueError, match="must end in"):
         result.export(directory / "x.json")
     small_study_changes = {"ensemble.repetitions": 2, "surfaces.points": 3000}
+    changes = [option for key, value in small_study_changes.items() for option in ("--set", f"{key}={value}")]
+    check_stiction("run", "quick", *changes, "-o", "generated", cwd=directory, without_figures=True)
+    generated_result = open_result(directory / "generated")
     with pytest.raises(ValueError, match="needs a measured pair, got generated surfaces"):
-        run(Study.named("quick").with_changes(small_study_changes)).joint_table()
+        generated_result.joint_table()
+    for options in ((), ("--closure-from", "5 MPa")):
+        command = call_stiction("export", "generated", "generated.inp", *options, "--compute", cwd=directory)
+        assert_rejected(command, "needs a measured pair, got generated surfaces")
 
 
 def test_exported_tables_at_given_loads_contain_the_values_of_the_result(result, directory):

@@ -211,8 +211,9 @@ def _compute_joint(
     from stiction.solve.store import StudyMismatchError
     from stiction.summary.joint_table import build_joint_study, parse_closure_start
 
-    start_load = None if closure_from is None else parse_closure_start(closure_from, result.nominal_area)
-    study = build_joint_study(result.study, result.nominal_area, loads, start_load)
+    study, area = result.study, result.nominal_area
+    start_load = None if closure_from is None else parse_closure_start(closure_from, study, area)
+    study = build_joint_study(study, area, loads, start_load)
     with open_executor(workers, None) as executor:
         try:
             return compute_result_in_directory(study, directory, executor, onset=0)

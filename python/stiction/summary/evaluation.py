@@ -404,7 +404,7 @@ class Evaluation(MemberSums):
         loads = loads if load is None else self._to_forces(load)
         start_load = None
         if closure_from is not None:
-            start_load = parse_closure_start(closure_from, self.nominal_area)
+            start_load = parse_closure_start(closure_from, self.study, self.nominal_area)
             loads, start_load = add_load(np.atleast_1d(loads), start_load)
         friction = self.study.friction
         strengths: dict[str, Any] = {

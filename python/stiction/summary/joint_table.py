@@ -166,23 +166,31 @@ def choose_joint_loads(study: Study, nominal_area: float | None) -> Floats:
     four significant digits. Raises a `ValueError` if the bodies were
     generated.
     """
-    if nominal_area is None or not study.is_measured:
-        raise ValueError("a joint table needs a measured pair, got generated surfaces; use stiction table instead")
-    steps = study.contact.loading_steps()
+    area, steps = _check_pair_is_measured(study, nominal_area), study.contact.loading_steps()
     interval_counts = np.maximum(np.ceil(np.log(steps[1:] / steps[:-1]) / math.log(MAX_LOAD_RATIO) - 0.02), 1).astype(
         int
     )
     loads_between_steps = [
-        float(f"{load / nominal_area:.4g}") * nominal_area
+        float(f"{load / area:.4g}") * area
         for load_below, load_above, count in zip(steps[:-1], steps[1:], interval_counts, strict=True)
         for load in np.geomspace(load_below, load_above, count, endpoint=False)[1:].tolist()
     ]
     return np.unique([*loads_between_steps, *steps])
 
 
-def parse_closure_start(closure_from: Any, nominal_area: float | None) -> float:
-    """Return the load (mN) from which a closure is counted, given as a load or as a nominal pressure."""
-    area = math.nan if nominal_area is None else nominal_area
+def _check_pair_is_measured(study: Study, nominal_area: float | None) -> float:
+    """Return the nominal area of a measured pair; raise a `ValueError` if the bodies were generated."""
+    if nominal_area is None or not study.is_measured:
+        raise ValueError("a joint table needs a measured pair, got generated surfaces; use stiction table instead")
+    return nominal_area
+
+
+def parse_closure_start(closure_from: Any, study: Study, nominal_area: float | None) -> float:
+    """Return the load (mN) from which a closure is counted, given as a load or as a nominal pressure.
+
+    Raises a `ValueError` if the bodies were generated.
+    """
+    area = _check_pair_is_measured(study, nominal_area)
     try:
         load = loads_to_core_units("closure_from", closure_from, area)
         return validate_number("closure_from", load, unit="mN", above=0)
@@ -223,7 +231,7 @@ def build_joint_table(
     Raises
     ------
     ValueError
-        If no load has a closure, or if `closure_from` has none.
+        If no load has a closure, or if `closure_from` has no closure or no stiffness of closure.
     """
     parsed_units = JointUnits.parse(units)
     at = select_sliding_rule(at, list_rules_with_reported_first(study)[0]).isel(mu0=0, tau0=0)
@@ -242,6 +250,11 @@ def build_joint_table(
                 "({lowest} to {highest}), got {got}",
                 lowest=lowest_pressure, highest=highest_pressure, got=format_with_unit(start_pressure.value, "GPa"),
             )  # fmt: skip
+        if not math.isfinite(estimates_by_load[closure_from]["closure_stiffness"].value):
+            raise ArgumentError(
+                "{closure_from} must be a pressure at which the stiffness of closure is known, got {got}",
+                got=format_with_unit(start_pressure.value, "GPa"),
+            )
         table_rows = [estimates_by_load[load] for load in table_loads]
         closures = _count_closures_from(table_rows, table_loads.index(closure_from))
         for row, closure in zip(table_rows, closures, strict=True):
@@ -259,6 +272,7 @@ def build_joint_table(
         *_describe_definitions(study, at, start_pressure),
         _describe_assessments(rows),
         _describe_range(rows, parsed_units, start_pressure.value),
+        *describe_negative_closures(rows, start_pressure),
         *(
             []
             if all(row.is_computed for row in rows)
@@ -276,18 +290,19 @@ def _count_closures_from(rows: Sequence[Mapping[str, Estimate]], start: int) -> 
     """Return the closures in a joint table, counted from the row with index `start` (zero closure).
 
     A closure between two pressures is the integral of the pressure over the stiffness of closure. Its limits are those
-    for the limits of the stiffness at all pressures.
+    for the limits of the stiffness at all pressures in between. If one of these is unknown, there is no interval.
     """
     closures = np.array([row["closure"].value for row in rows])
     stiffnesses = np.array([row["closure_stiffness"].value for row in rows])
     limits = np.array([[row["closure_stiffness"].lower, row["closure_stiffness"].upper] for row in rows])
     ratios = stiffnesses[:, np.newaxis] / limits
     increments = np.diff(closures)[:, np.newaxis] * (ratios[1:] + ratios[:-1]) / 2
-    limits_from_first_row = np.concatenate([np.zeros((1, 2)), np.cumsum(increments, axis=0)])
-    limits_from_start = np.sort(limits_from_first_row - limits_from_first_row[start], axis=1)
+    limits_below = -np.cumsum(increments[:start][::-1], axis=0)[::-1]
+    limits_above = np.cumsum(increments[start:], axis=0)
+    limits_from_start = np.sort(np.concatenate([limits_below, np.zeros((1, 2)), limits_above]), axis=1)
     counted_closures = []
     for row, value, (lower, upper) in zip(rows, closures - closures[start], limits_from_start, strict=True):
-        has_interval = value != 0 and not np.isnan(lower)
+        has_interval = value != 0 and not (np.isnan(lower) or np.isnan(upper))
         counted_closures.append(
             replace(
                 row["closure"], value=float(value), lower=float(lower) if has_interval else math.nan,
@@ -343,7 +358,7 @@ def _describe_definitions(study: Study, at: xarray.Dataset, start_pressure: Esti
     advice = (
         f"{FIRST_CONTACT_NOTE} (--closure-from)."
         if start_pressure.value == 0
-        else "The intervals of the closure follow from those of the stiffness."
+        else "The intervals of the closure follow from those of the stiffness at the pressures in between."
     )
     notes = [
         "All quantities are per nominal area, for first loading and the normal load before sliding.",
@@ -427,5 +442,11 @@ def _describe_range(rows: Sequence[JointRow], units: JointUnits, start_pressure:
     text = f"Valid from {lowest_pressure:.4g} to {highest_pressure:.4g} {units.pressure}."
     if start_pressure == 0:
         return f"{text} Below, a straight line to zero closure is only a continuation."
-    is_negative = lowest_pressure < start_pressure
-    return f"{text} Closures below {start_pressure:.6g} {units.pressure} are negative." if is_negative else text
+    return text
+
+
+def describe_negative_closures(rows: Sequence[JointRow], start_pressure: Estimate) -> list[str]:
+    """Return the note on negative closures in a joint table, or an empty list if the table contains none."""
+    if rows[0].pressure.value >= start_pressure.value:
+        return []
+    return [f"Closures below {start_pressure.value:.6g} {start_pressure.unit} are negative."]

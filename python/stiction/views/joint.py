@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from stiction._core import __version__
 from stiction._estimate import MAX_SIGNIFICANT_DIGITS, Estimate, estimate_column_titles
-from stiction.summary.joint_table import JOINT_TITLES, STIFFNESS_OVER_MEASURED_STIFFNESS
+from stiction.summary.joint_table import JOINT_TITLES, STIFFNESS_OVER_MEASURED_STIFFNESS, describe_negative_closures
 from stiction.views.json_record import record_json
 from stiction.views.spreadsheet import frame_to_csv
 
@@ -114,7 +114,7 @@ def abaqus_card(table: JointTable, source: str) -> str:
     friction, stiffness = row.friction(50), row.estimates["tangential_stiffness_per_area"]
     has_stick_slope = math.isfinite(stiffness.value)
     lines = [
-        *_describe_source(table, source, "** "),
+        *_describe_source(table, source, "** ", omitted=describe_negative_closures(table.rows, table.closure_from)),
         *_comment_table(table, "** ", given=("closure", "friction_50")),
         *_format_comment(
             "Pressure, closure. The slave surface needs TYPE=NODE TO SURFACE in CalculiX. "
@@ -154,7 +154,7 @@ def ansys_card(table: JointTable, source: str) -> str:
     reference, curve = table.reference, _list_curve(table)
     stiffness = reference.estimates["tangential_stiffness_per_area"]
     lines = [
-        *_describe_source(table, source, "! "),
+        *_describe_source(table, source, "! ", omitted=describe_negative_closures(table.rows, table.closure_from)),
         *_comment_table(table, "! ", given=("closure", "friction_50")),
         *_format_comment(
             "Material 1: closure and pressure of interface elements (INTER192 to INTER195). "
@@ -223,7 +223,10 @@ def _list_curve(table: JointTable) -> list[tuple[Estimate, Estimate]]:
     last_closure = 0.0
     for row in table.rows:
         closure = row.estimates["closure"]
-        closure = replace(closure, value=closure.value + start_closure)
+        closure = replace(
+            closure, value=closure.value + start_closure, lower=closure.lower + start_closure,
+            upper=closure.upper + start_closure,
+        )  # fmt: skip
         if row.pressure.value >= table.closure_from.value and closure.value > last_closure:
             curve.append((row.pressure, closure))
             last_closure = closure.value
@@ -268,13 +271,13 @@ def _format_comment(text: str, prefix: str) -> list[str]:
     return [f"{prefix}{line}" for line in textwrap.wrap(ascii_text, CARD_WIDTH, break_long_words=False)]
 
 
-def _describe_source(table: JointTable, source: str, prefix: str) -> list[str]:
-    """Return comment lines for an input card: version, pair, units and notes of the joint table."""
+def _describe_source(table: JointTable, source: str, prefix: str, omitted: Collection[str] = ()) -> list[str]:
+    """Return comment lines for an input card: version, pair, units and notes of the joint table except `omitted`."""
     units = table.units
     comment_texts = [
         f"Contact properties of a joint, computed with stiction {__version__}.",
         f"Units: {units.length}, {units.force}, {units.pressure}; stiffness {units.pressure}/{units.length}.",
-        *table.notes,
+        *(note for note in table.notes if note not in omitted),
         f"Pair: {source}",
     ]
     return [line for text in comment_texts for line in _format_comment(text, prefix)]
@@ -293,8 +296,11 @@ More estimates would exceed the line limit of Abaqus (256 characters).
 def _comment_table(table: JointTable, prefix: str, given: Collection[str] = ()) -> list[str]:
     """Return the main columns of a joint table, with intervals, as comment lines of an input card.
 
-    The card itself contains the estimates named in `given`, so only their intervals are listed.
+    The card itself contains the estimates named in `given`, so only their intervals are listed. The interval of a
+    closure belongs to the closure in the card, and is empty for pressures that the card does not contain.
     """
+    curve_closures = {pressure.value: closure for pressure, closure in _list_curve(table)}
+    missing_closure = Estimate(math.nan, name="closure")
 
     def has_shown_column(name: str) -> bool:
         estimates = [row.estimates[name] for row in table.rows]
@@ -307,6 +313,8 @@ def _comment_table(table: JointTable, prefix: str, given: Collection[str] = ()) 
         cells = []
         for name in names:
             estimate, digits = row.estimates[name], MAX_SIGNIFICANT_DIGITS
+            if name == "closure" and name in given:
+                estimate = curve_closures.get(row.pressure.value, missing_closure)
             value = _format_value(estimate) if name == "nominal_pressure" else f"{estimate.value:.{digits}g}"
             interval = f"[{estimate.lower:.{digits}g}, {estimate.upper:.{digits}g}]" if estimate.has_interval else ""
             cells.append(interval if name in given else f"{value} {interval}".rstrip())
