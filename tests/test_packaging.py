@@ -5,6 +5,7 @@ import os
 import platform
 import re
 import sys
+import sysconfig
 import tomllib
 from pathlib import Path
 
@@ -32,6 +33,17 @@ def load_script(path, monkeypatch):
 @pytest.fixture
 def release_script(monkeypatch):
     return load_script(ROOT / "packaging/release.py", monkeypatch)
+
+
+@pytest.fixture
+def dev_script(tmp_path):
+    """Return a copy of the script `dev` as a module, so that its virtual environment is in a temporary directory."""
+    (tmp_path / "cpp").mkdir()
+    (tmp_path / "dev.py").write_text(read_file("dev"), encoding="utf-8")
+    spec = importlib.util.spec_from_file_location("dev", tmp_path / "dev.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 def read_file(name):
@@ -181,3 +193,47 @@ def test_sample_scans_equal_the_output_of_their_script(tmp_path, monkeypatch):
                 rtol=0,
                 atol=1.01 * MAX_HEIGHT_DIFFERENCE_IN_STEPS * converter_step,
             )
+
+
+@pytest.mark.parametrize(("version", "is_running_version"), [("3.11.1", True), ("3.11.10", False), ("3.12.1", False)])
+def test_virtual_environment_is_reused_only_by_the_python_version_that_created_it(
+    dev_script, monkeypatch, version, is_running_version
+):
+    dev_script.VENV_BIN.mkdir(parents=True)
+    (dev_script.VENV_BIN / "pip").touch()
+    (dev_script.VENV / "pyvenv.cfg").write_text(f"home = /usr/bin\nversion = {version}\n", encoding="utf-8")
+    monkeypatch.setattr(sys, "version_info", (3, 11, 1, "final", 0))
+    assert dev_script.venv_has_running_python() == is_running_version
+
+
+@pytest.mark.parametrize(
+    ("running_version", "is_optimized", "distribution_version", "continues"),
+    [
+        ((3, 11), False, (3, 11), True),
+        ((3, 11), True, (3, 11), False),
+        ((3, 12), False, (3, 11), False),
+        ((3, 9), True, (3, 11), True),
+        ((3, 9), True, (3, 10), False),
+    ],
+)
+def test_dev_continues_once_with_the_python_of_the_distribution_if_it_is_faster_or_needed(
+    dev_script, tmp_path, monkeypatch, running_version, is_optimized, distribution_version, continues
+):
+    distribution_python = tmp_path / "python3"
+    distribution_python.write_text(
+        f"#!{sys.executable}\nimport sys, sysconfig\nsys.version_info = {distribution_version}\n"
+        f"sysconfig.get_path = lambda name: {str(tmp_path)!r}\nexec(sys.argv[2])\n"
+    )
+    distribution_python.chmod(0o755)
+    (tmp_path / "Python.h").touch()
+    calls = []
+    monkeypatch.setattr(dev_script, "DISTRIBUTION_PYTHON", str(distribution_python))
+    monkeypatch.setattr(sys, "version_info", running_version)
+    monkeypatch.setattr(sys, "base_prefix", "/opt/python")
+    monkeypatch.setattr(sysconfig, "get_config_var", lambda name: "--enable-optimizations" * is_optimized)
+    monkeypatch.setattr(sysconfig, "get_path", lambda name: str(tmp_path))
+    monkeypatch.setattr(os, "execv", lambda path, arguments: calls.append(path))
+    monkeypatch.setenv(dev_script.CONTINUED_VARIABLE, "")
+    for _ in range(2):  # The second call is in the process that continues.
+        dev_script.prefer_distribution_python()
+    assert calls == [str(distribution_python)] * continues
