@@ -337,19 +337,24 @@ def test_exported_curve_starts_with_the_stiffness_at_the_pressure_from_which_clo
     assert "Below 20 MPa, from which the closure is counted, the curve is a straight line" in words
 
 
-def build_table_without_stiffness(result, loads, start, load_without_stiffness, statistics):
-    """Return the joint table of a result, after the stiffness at one load was replaced by NaN."""
+def build_table_with_changed_stiffness(result, loads, start, changed_load, statistics, number=np.nan):
+    """Return the joint table of a result, after the stiffness at one load was replaced by a number."""
     at = result.at(loads)
-    is_removed = (at["load"] == load_without_stiffness) & at["statistic"].isin(statistics)
-    at["closure_stiffness"] = at["closure_stiffness"].where(~is_removed)
+    is_replaced = (at["load"] == changed_load) & at["statistic"].isin(statistics)
+    at["closure_stiffness"] = at["closure_stiffness"].where(~is_replaced, number)
     return build_joint_table(at, result.study, "mm,N,MPa", dict.fromkeys(loads, "Quote it"), start)
 
 
-def test_closure_has_an_interval_unless_the_stiffness_between_its_pressure_and_the_start_is_unknown(result, table):
+@pytest.mark.parametrize(("statistics", "number"), [(["lower", "upper"], np.nan), (["mean", "lower", "upper"], np.inf)])
+def test_closure_has_an_interval_unless_the_stiffness_between_its_pressure_and_the_start_is_unknown(
+    result, table, statistics, number
+):
     loads = [row.load for row in table.rows]
     start, count = 5, len(loads)
     for index, expected in ((2, range(3, count)), (start + 2, range(start + 2))):
-        shifted_table = build_table_without_stiffness(result, loads, loads[start], loads[index], ["lower", "upper"])
+        shifted_table = build_table_with_changed_stiffness(
+            result, loads, loads[start], loads[index], statistics, number
+        )
         with_interval = [
             number for number, row in enumerate(shifted_table.rows) if row.estimates["closure"].has_interval
         ]
@@ -360,7 +365,7 @@ def test_joint_table_rejects_a_start_of_the_closure_at_which_the_stiffness_is_un
     loads = [row.load for row in table.rows]
     message = "closure_from must be a pressure at which the stiffness of closure is known, got "
     with pytest.raises(ValueError, match=message):
-        build_table_without_stiffness(result, loads, loads[5], loads[5], ["mean", "lower", "upper"])
+        build_table_with_changed_stiffness(result, loads, loads[5], loads[5], ["mean", "lower", "upper"])
 
 
 @pytest.mark.parametrize("name", ["card.inp", "card.mac"])

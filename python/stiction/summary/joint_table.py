@@ -295,7 +295,8 @@ def _count_closures_from(rows: Sequence[Mapping[str, Estimate]], start: int) -> 
     closures = np.array([row["closure"].value for row in rows])
     stiffnesses = np.array([row["closure_stiffness"].value for row in rows])
     limits = np.array([[row["closure_stiffness"].lower, row["closure_stiffness"].upper] for row in rows])
-    ratios = stiffnesses[:, np.newaxis] / limits
+    with np.errstate(divide="ignore", invalid="ignore"):  # The stiffness may be infinite, and its lower limit 0.
+        ratios = stiffnesses[:, np.newaxis] / limits
     increments = np.diff(closures)[:, np.newaxis] * (ratios[1:] + ratios[:-1]) / 2
     limits_below = -np.cumsum(increments[:start][::-1], axis=0)[::-1]
     limits_above = np.cumsum(increments[start:], axis=0)
