@@ -32,6 +32,7 @@ from stiction.study.interfaces import (
     compute_coverage_at_bound,
     compute_credible_interval,
 )
+from stiction.study.shared_inputs import apply_ranges_of_pair, find_shared_inputs
 from stiction.views.calibration import WantedPairPrediction, calibration_json, calibration_text, predict_wanted_pair
 from support.rough_surfaces import rough_maps
 
@@ -252,11 +253,50 @@ def test_two_ranges_of_one_hardness_give_the_interval_of_the_narrower_range(tmp_
         )
         assert result.interval == pytest.approx(tuple(law.predict(target, "20 MPa")[1:]), rel=1e-6)
         caveats = [caveat for caveat in result.caveats if "in the tests of the interface" in caveat.text]
-        assert len(caveats) == (text != "1 GPa ± 10 %")
+        # Ranges with different central values are those of two materials, even if they overlap.
+        assert len(caveats) == (text not in ("1 GPa ± 10 %", "1.01 GPa ± 2 %"))
         if caveats:
             assert f"the hardness is {text}, but 1 GPa ± 10 % in the tests" in caveats[0].text
-            assert ("one quantity" in caveats[0].text) == (text != "1.01 GPa ± 2 %")
+            assert "ranges of one quantity" in caveats[0].text
             assert result.assessment != "Quote it"
+
+
+def test_exact_hardness_does_not_widen_the_narrower_range_of_the_modulus() -> None:
+    def press_pair(rms: float, modulus: str, hardness: str) -> Any:
+        options = {**PAIR_OPTIONS, "effective_modulus": modulus}
+        return pair(*rough_surface_pair(rms), hardness=hardness, yield_exponent=1.15, **options)
+
+    tests = [
+        FrictionTest(press_pair(0.05, "80 GPa ± 10 %", "1 GPa ± 10 %"), "20 MPa", coefficient=0.25, uncertainty=0.002)
+    ] * 4
+    law = calibrate(tests, common=0.0, sliding="all", mu0=0.1)
+    inputs = Inputs.from_study(press_pair(0.02, "80 GPa ± 3 %", "1 GPa").study)
+    estimates = {name: entry.estimate for name, entry in inputs.entries.items()}
+    shared_inputs = find_shared_inputs(law, estimates)
+    fit = apply_ranges_of_pair(law, shared_inputs).fits[0]
+    standard_deviations = {name: each.sample(fit).std() / each.tested.value for name, each in shared_inputs.items()}
+    assert standard_deviations["effective_modulus"] < 0.04
+    assert standard_deviations["hardness"] < 0.04
+
+
+@pytest.mark.parametrize("relative_error", ["2e-7 %", "0.0001 %", "0.01 %", "0.3 %"])
+def test_wider_modulus_range_of_a_ball_gives_the_prediction_of_the_tested_range(relative_error) -> None:
+    ball = Ball("5 mm", f"210 GPa ± {relative_error}")
+    law = calibrate([FrictionTest(ball, "20 mN", coefficient=0.3, uncertainty=0.01) for _ in range(3)])
+    expected = law.predict(ball, "20 mN")
+    assert law.predict(Ball("5 mm", "210 GPa ± 1 %"), "20 mN") == pytest.approx(expected, rel=2e-4)
+    (shared_input,) = find_shared_inputs(law, Ball("5 mm", "210 GPa ± 1 %").moduli.inputs).values()
+    width = ball.moduli.inputs["effective_modulus"].high - ball.moduli.inputs["effective_modulus"].low
+    assert shared_input.tested.high - shared_input.tested.low == pytest.approx(width, rel=0.1)
+
+
+def test_prediction_treats_equal_limits_of_a_tested_range_as_an_exact_input() -> None:
+    ball = Ball("5 mm", "210 GPa ± 0.01 %")
+    law = calibrate([FrictionTest(ball, "20 mN", coefficient=0.3, uncertainty=0.01) for _ in range(3)])
+    (scores,) = (scores for name, scores in law.fits[0].scores.items() if name.startswith("effective_modulus"))
+    old_fit = replace(law.fits[0], scores={"effective_modulus normal 210..210": scores}, fits_at_bounds={})
+    old_law = replace(law, fits=(old_fit,))
+    assert np.isfinite(old_law.predict(Ball("5 mm", "210 GPa ± 1 %"), "20 mN")).all()
 
 
 def test_calibration_text_explains_an_infinite_upper_limit_and_repeats_caveats_about_ranges() -> None:
@@ -286,6 +326,8 @@ def test_narrower_modulus_of_a_ball_applies_to_its_tests_as_in_a_fit_with_this_r
     law, narrow_law = fit_law("3 GPa ± 10 %"), fit_law("3 GPa ± 3 %")
     expected = narrow_law.predict(target, "10 mN")
     assert law.predict(target, "10 mN") == pytest.approx(expected, abs=0.05 * np.ptp(expected[1:]))
+    # An exact modulus gives an interval that is at least as narrow.
+    assert np.ptp(law.predict(Ball("0.5 mm", "3 GPa"), "10 mN")[1:]) < 1.02 * np.ptp(expected[1:])
     independent_target = Ball("0.5 mm", "3.01 GPa ± 3 %")
     assert np.ptp(law.predict(independent_target, "10 mN")[1:]) > 1.5 * np.ptp(expected[1:])
 

@@ -376,6 +376,16 @@ def depends_on_junction_growth(friction: _FrictionTestSums, mu0: float, tau0: fl
     return abs(FrictionLaw(mu0, tau0).growth_effect(friction.hardness)) > NEGLIGIBLE_GROWTH_EFFECT
 
 
+def find_inputs_of_result(result: Any) -> dict[str, UncertainInput]:
+    """Return the inputs of a ball or of a result of `pair` by name, exact inputs too; empty for a load curve."""
+    if isinstance(result, Ball):
+        return result.moduli.all_inputs | {"area_loss": result.lost_fraction.estimate}
+    if isinstance(result, FrictionCurve):
+        return {}
+    inputs = Inputs.from_study(MemberSums.of(result).study)
+    return {name: entry.estimate for name, entry in inputs.entries.items()}
+
+
 def list_sliding_rules(result: Any) -> tuple[str, ...]:
     """Return the sliding rules for which a result has coefficients."""
     # A ball has one contact, for which both sliding rules give the same friction.

@@ -10,7 +10,13 @@ from typing import Any
 import numpy as np
 
 from stiction._checks import Floats
-from stiction.calibration.friction_tests import Ball, FrictionTest, depends_on_junction_growth, evaluate_test_sums
+from stiction.calibration.friction_tests import (
+    Ball,
+    FrictionTest,
+    depends_on_junction_growth,
+    evaluate_test_sums,
+    find_inputs_of_result,
+)
 from stiction.evaluate.budget import predict_coefficient
 from stiction.mechanics.friction import FrictionCurve, FrictionLaw
 from stiction.solve.member_sums import MemberSums
@@ -108,9 +114,8 @@ class Interface(InterfaceStrength):
             if not any(map(math.isnan, combined)):
                 return combined
 
-        shared_inputs = (
-            {} if area_factor is None else find_shared_inputs(self, area_factor.uncertain_inputs, area_factor.surfaces)
-        )
+        surfaces = test_sums.surfaces if area_factor is None else area_factor.surfaces
+        shared_inputs = find_shared_inputs(self, find_inputs_of_result(result), surfaces)
 
         def compute_coefficients(fit: StrengthFit) -> tuple[Floats, Floats]:
             """Return samples of the coefficient and of its upper limit, which is infinite if the softer body shears."""
@@ -120,7 +125,9 @@ class Interface(InterfaceStrength):
             total_area = np.exp(test_sums.scatter * scores[area_error])
             if area_factor is not None:
                 samples = area_factor.input_values({name: ndtr(scores[name]) for name in area_factor.nuisance_names})
-                samples |= {name: shared_input.sample(fit) for name, shared_input in shared_inputs.items()}
+                # An input that is exact for the result is not replaced by the samples of the calibration.
+                shared_names = shared_inputs.keys() & area_factor.uncertain_inputs.keys()
+                samples |= {name: shared_inputs[name].sample(fit) for name in shared_names}
                 area, friction_fraction = area_factor.onset_area_and_friction_factors(samples, law)
                 total_area = total_area * area
             values = law.coefficient(test_sums.sums, np.where(fit.tau0 > 0, total_area, 1.0), friction_fraction)

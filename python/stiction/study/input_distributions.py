@@ -119,9 +119,11 @@ class UncertainInput:
 
         The text is the same for every unit of the input.
 
-        Limits are rounded to four digits.
+        Limits are rounded to four digits, or to four digits of the width for a range narrower than 1 % of the input.
         """
-        limits = f"{self.low:.4g}" if self.is_exact else f"{self.low:.4g}..{self.high:.4g}"
+        width = self.high - self.low
+        digits = 4 if self.is_exact or width >= 0.01 * self.high else 4 + math.ceil(math.log10(self.high / width))
+        limits = f"{self.low:.{digits}g}" if self.is_exact else f"{self.low:.{digits}g}..{self.high:.{digits}g}"
         return f"{self.distribution} {limits}{f' {SLIP_LINE_TEXT}' if self.uses_slip_lines else ''}"
 
     def quantile(self, probability: ArrayLike) -> Floats:

@@ -61,8 +61,8 @@ class UncertainModulus:
     is_one_material: bool = False
 
     @property
-    def inputs(self) -> dict[str, UncertainInput]:
-        """Uncertain elastic constants, keyed by names such as "effective_modulus" or "young_upper"."""
+    def all_inputs(self) -> dict[str, UncertainInput]:
+        """Elastic constants that were entered, keyed by names such as "effective_modulus" or "young_upper"."""
         sides = SIDES[:1] if self.is_one_material else SIDES
         inputs = {
             f"{name}_{side}": body[name]
@@ -71,7 +71,12 @@ class UncertainModulus:
         }
         if self.effective_modulus is not None:
             inputs["effective_modulus"] = self.effective_modulus
-        return {name: value for name, value in inputs.items() if not value.is_exact}
+        return inputs
+
+    @property
+    def inputs(self) -> dict[str, UncertainInput]:
+        """Uncertain elastic constants, keyed by names such as "effective_modulus" or "young_upper"."""
+        return {name: value for name, value in self.all_inputs.items() if not value.is_exact}
 
     def relative_modulus(self, samples: Mapping[str, Floats]) -> Floats | float:
         """Return E* for random samples of the elastic constants, as a ratio to E* for the central values."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -26,7 +26,8 @@ MIN_CONDITIONED_SAMPLES = 500.0
 """Smallest effective number of samples that a range of the pair may leave of the samples of an interface.
 
 With fewer samples, the limits of intervals would be random by more than about a twentieth of the width. A range that is
-much narrower than that of the tests is therefore widened, to about a tenth of the width that it has in the tests.
+much narrower than that of the tests is therefore widened, to about a tenth of the width that it has in the tests if it
+is the only narrower range.
 """
 
 MAX_CONDITIONED_FRACTION = 0.4
@@ -73,11 +74,6 @@ class SharedInput:
         return math.isclose(self.tested.value, self.stated.value, rel_tol=MAX_RELATIVE_CENTRAL_VALUE_DIFFERENCE)
 
     @property
-    def has_overlapping_ranges(self) -> bool:
-        """True if some values of the input are within both ranges."""
-        return self.tested.low <= self.stated.high and self.stated.low <= self.tested.high
-
-    @property
     def is_narrower_in_pair(self) -> bool:
         """True if the pair gives the input a narrower range than the tests."""
         return self.stated.high - self.stated.low < self.tested.high - self.tested.low
@@ -89,14 +85,14 @@ class SharedInput:
         return self.tested.quantile(ndtr(fit.scores[self.score_name]))
 
 
-def compare_ranges(
+def find_shared_inputs(
     strength: InterfaceStrength, estimates: Mapping[str, UncertainInput], pair_checksum: str = ""
 ) -> dict[str, SharedInput]:
-    """Return the inputs that a pair shares with the tests of an interface, by name, with the ranges of tests and pair.
+    """Return the inputs of a pair that denote the same quantity in the tests of an interface, keyed by name.
 
     `estimates` contains the distributions of the inputs of the pair, which may be exact. `pair_checksum` identifies the
     pair among the tested pairs. If the tests have several ranges of an input, the range that equals that of the pair is
-    returned, or the narrowest range with the same central value, or the narrowest range.
+    returned, or the narrowest range with the same central value.
     """
     scores, shared_inputs = strength.fits[0].scores, {}
     for name, stated in estimates.items():
@@ -105,24 +101,10 @@ def compare_ranges(
             shared_inputs[name] = SharedInput(score_name, stated, stated)
         elif name not in INPUTS_COMPARED_ELSEWHERE:
             candidates = _find_tested_ranges(scores, name, stated, pair_checksum)
-            best = min(
-                candidates,
-                key=lambda each: (not each.is_one_quantity, each.tested.high - each.tested.low),
-                default=None,
-            )
-            shared_inputs |= {} if best is None else {name: best}
+            ranges_of_quantity = [each for each in candidates if each.is_one_quantity]
+            if ranges_of_quantity:
+                shared_inputs[name] = min(ranges_of_quantity, key=lambda each: each.tested.high - each.tested.low)
     return shared_inputs
-
-
-def find_shared_inputs(
-    strength: InterfaceStrength, estimates: Mapping[str, UncertainInput], pair_checksum: str = ""
-) -> dict[str, SharedInput]:
-    """Return the inputs of a pair that denote the same quantity in the tests of an interface, keyed by name.
-
-    The arguments are those of `compare_ranges`.
-    """
-    shared_inputs = compare_ranges(strength, estimates, pair_checksum)
-    return {name: each for name, each in shared_inputs.items() if each.has_equal_ranges or each.is_one_quantity}
 
 
 def _find_tested_ranges(
@@ -135,8 +117,9 @@ def _find_tested_ranges(
         if text == score_name or not text.endswith(suffix):
             continue
         if match := _TESTED_RANGE_PATTERN.fullmatch(text.removesuffix(suffix)):
-            distribution: Any = match[1]
             low, high = float(match[2]), float(match[3])
+            # Older files have limits with four digits, which may be equal.
+            distribution: Any = match[1] if low < high else "exact"
             value = math.sqrt(low * high) if distribution == "log-normal" else 0.5 * (low + high)
             tested = replace(
                 stated, value=value, low=low, high=high, distribution=distribution, text=f"{match[2]}..{match[3]}"
@@ -157,12 +140,13 @@ def apply_ranges_of_pair(strength: InterfaceStrength, shared_inputs: Mapping[str
         return strength
 
     def apply_to(fit: StrengthFit) -> StrengthFit:
-        log_weights = np.zeros(fit.mu0.size)
-        for shared_input in narrower_inputs:
-            values = shared_input.sample(fit)
-            log_weights += _compute_log_density(shared_input.stated, values)
-            log_weights -= _compute_log_density(shared_input.tested, values)
-        log_weights = _limit_weights(log_weights)
+        log_weights = _combine_weights(
+            [
+                _compute_log_density(each.stated, each.sample(fit))
+                - _compute_log_density(each.tested, each.sample(fit))
+                for each in narrower_inputs
+            ]
+        )
         cumulative_weights = np.cumsum(np.exp(log_weights - log_weights.max()))
         return fit.select_samples(select_by_weight(cumulative_weights, log_weights.size, 0.5))
 
@@ -187,9 +171,16 @@ def _compute_log_density(estimate: UncertainInput, values: Floats) -> Floats:
     return np.asarray(-0.5 * (Z_95 * (values - estimate.value) / half_width) ** 2)
 
 
-def _limit_weights(log_weights: Floats) -> Floats:
-    """Raise importance weights to a power below 1, until the effective number of samples is large enough."""
-    min_samples = min(MIN_CONDITIONED_SAMPLES, MAX_CONDITIONED_FRACTION * log_weights.size)
-    while compute_effective_sample_size(log_weights) < min_samples:
-        log_weights = WEIGHT_EXPONENT_STEP * log_weights
-    return log_weights
+def _combine_weights(log_weights: Sequence[Floats]) -> Floats:
+    """Multiply importance weights, one array per input; return the logarithms of the products.
+
+    Weights of inputs are raised to powers below 1 until the effective number of samples is large enough. The power of
+    the input that leaves the fewest samples is reduced, so that a much narrower range does not widen other ranges.
+    """
+    powers, total = [1.0] * len(log_weights), sum(log_weights, np.zeros(log_weights[0].size))
+    min_samples = min(MIN_CONDITIONED_SAMPLES, MAX_CONDITIONED_FRACTION * total.size)
+    while compute_effective_sample_size(total) < min_samples:
+        sizes = [compute_effective_sample_size(power * each) for power, each in zip(powers, log_weights, strict=True)]
+        powers[int(np.argmin(sizes))] *= WEIGHT_EXPONENT_STEP
+        total = sum((power * each for power, each in zip(powers, log_weights, strict=True)), np.zeros(total.size))
+    return total

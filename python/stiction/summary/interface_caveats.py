@@ -15,7 +15,7 @@ from stiction.study.interfaces import (
     InterfaceStrength,
     shared_input_name,
 )
-from stiction.study.shared_inputs import SharedInput, compare_ranges
+from stiction.study.shared_inputs import SharedInput, find_shared_inputs
 from stiction.summary.assessment import Caveat, Severity
 
 SEVERITIES_OF_HEADER_ENTRIES: dict[str, Severity] = {FAULTS_HEADER_ENTRY: "fault", CAUTIONS_HEADER_ENTRY: "caution"}
@@ -36,28 +36,22 @@ def find_interface_caveats(
 
 
 def find_range_caveats(strength: InterfaceStrength, inputs: Inputs, pair_checksum: str) -> Iterator[Caveat]:
-    """Yield a caveat for each input to which the pair and the tests of its interface give different ranges.
+    """Yield a caveat for each input to which a pair and the tests of its interface give two ranges of one quantity.
 
-    Ranges that do not overlap certainly belong to two quantities, and need no caveat.
+    Ranges with different central values belong to two quantities, such as the hardnesses of two materials.
     """
     estimates = {name: entry.estimate for name, entry in inputs.entries.items()}
-    for name, shared_input in compare_ranges(strength, estimates, pair_checksum).items():
+    for name, shared_input in find_shared_inputs(strength, estimates, pair_checksum).items():
         if shared_input.has_equal_ranges:
             continue
         entry = inputs.entries[name]
         tested_text = _get_tested_range_text(shared_input, strength, entry.unit)
-        ranges_text = f"{entry.label} is {entry.text}, but {tested_text} in the tests of the interface"
-        if shared_input.is_one_quantity:
-            yield Caveat(
-                f"{ranges_text}; these count as two ranges of one quantity, and the narrower one applies",
-                "give the same range in both; if the bodies differ, also give different central values", "caution",
-            )  # fmt: skip
-        elif shared_input.has_overlapping_ranges:
-            yield Caveat(
-                f"{ranges_text}; these count as two quantities with independent errors",
-                "if the bodies have the same value, give the same range in both, which narrows the interval",
-                "caution",
-            )
+        yield Caveat(
+            f"{entry.label} is {entry.text}, but {tested_text} in the tests of the interface; these count as two "
+            "ranges of one quantity, and the narrower one applies",
+            "give the same range in both; if the bodies differ, give different central values",
+            "caution",
+        )
 
 
 def _get_tested_range_text(shared_input: SharedInput, strength: InterfaceStrength, unit: str) -> str:
