@@ -106,6 +106,12 @@ def format_with_unit(value: float, unit: str) -> str:
     return format_number(value, unit)
 
 
+def format_load(load: float, nominal_pressure: float) -> str:
+    """Return a load (mN) and its nominal pressure (GPa, or NaN) as text, as in "10 mN (100 MPa)"."""
+    pressure_text = "" if math.isnan(nominal_pressure) else f" ({format_with_unit(nominal_pressure, 'GPa')})"
+    return f"{format_with_unit(load, 'mN')}{pressure_text}"
+
+
 def format_percent(fraction: float) -> str:
     """Format a fraction as a percentage, as in "37 %", with two digits below 1 % and from 10 % to 99 %."""
     return format_number(fraction, "percent")

@@ -476,7 +476,10 @@ def _describe_registration(registration: Registration) -> dict[str, float]:
 
 
 def _describe_inputs(setup: _ShearTestSetup) -> str:
-    """Return all inputs of a shear test as one text, which identifies the test."""
+    """Return all inputs of a shear test as one text, which identifies the test.
+
+    With an interface, these include the samples of its joint distribution and its caveats.
+    """
     box = setup.box
     checksums = [
         hashlib.sha256(face.heights_with_nan.tobytes()).hexdigest() + repr((face.heights.shape, face.spacing))
@@ -488,7 +491,15 @@ def _describe_inputs(setup: _ShearTestSetup) -> str:
     input_texts = sorted((name, entry.text) for name, entry in setup.inputs.entries.items())
     joint_samples = () if setup.strength is None else (setup.strength.fits[0].mu0, setup.strength.fits[0].tau0)
     checksums += [hashlib.sha256(array.tobytes()).hexdigest() for array in joint_samples]
-    return repr((checksums, sorted(box_settings.items()), input_texts, setup.offsets.tolist(), len(setup.strips)))
+    description = [checksums, sorted(box_settings.items()), input_texts, setup.offsets.tolist(), len(setup.strips)]
+    if setup.strength is not None:
+        samples = hashlib.sha256()
+        for each in setup.samples:
+            for array in (each.mu0, each.tau0, *each.contact_inputs.values()):
+                samples.update(array.tobytes())
+        coverages = [each.coverage for each in setup.samples]
+        description += [samples.hexdigest(), coverages, _describe_interface(setup)]
+    return repr(tuple(description))
 
 
 def _open_stored_test(directory: Path, key: str, *, replace: bool) -> xr.Dataset | None:

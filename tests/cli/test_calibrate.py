@@ -9,6 +9,7 @@ from stiction import (
     FrictionTest,
     Profile,
     Result,
+    calibrate,
     interface,
     read_interface,
     run,
@@ -194,6 +195,11 @@ def test_calibrate_command_reports_caveats_and_lay_of_the_tested_pairs(tmp_path)
     assert len(record["lays"]) == 1
     check_stiction(*arguments, "0.1 MPa", "-o", "law", cwd=tmp_path, without_figures=True)
     assert fault.text in read_interface(tmp_path / "law").about["do not quote"]
+    # The Python function writes a file with the same caveats.
+    interface = calibrate([FrictionTest(result, "0.1 MPa", coefficient=0.25, uncertainty=0.01)])
+    write_interface(interface, tmp_path / "python_law")
+    caveats = [read_interface(tmp_path / name).about["do not quote"] for name in ("law", "python_law")]
+    assert caveats[0] == caveats[1]
     (tmp_path / "grooves").rename(tmp_path / "target")
     ball = ("calibrate", "--ball", "1 mm", "--effective-modulus", "80 GPa", "--measured", "0.25±0.01", "--load", "1 mN")
     record = json.loads(check_stiction(*ball, "--target", "target", "--json", cwd=tmp_path).stdout)

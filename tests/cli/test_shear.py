@@ -522,6 +522,22 @@ def test_shear_test_repeats_the_caveats_of_its_interface():
     assert any(text.startswith("Interface joint samples: its tests contradict it; ") for text in list_caveats(test))
 
 
+def test_finished_shear_test_is_not_reused_after_caveats_or_ranges_of_its_interface_change(tmp_path):
+    film = interface("MoS2 on bearing steel, dry air")
+    fit = film.fits[0]
+    scores = {"effective_modulus normal 9.608..10.39": np.linspace(-2, 2, fit.mu0.size)}
+    options = {"path": "0.5 mm", "steps": 1, "load": "1 MPa", "effective_modulus": "10 GPa ± 2 %"}
+    shear_test(*create_faces(), interface=film, directory=tmp_path / "test", **options)
+    shear_test(*create_faces(), interface=film, directory=tmp_path / "test", **options)
+    changed_films = (
+        film.with_caveats("do not quote", ["its tests contradict it"]),
+        replace(film, fits=(replace(fit, scores=scores),)),
+    )
+    for changed_film in changed_films:
+        with pytest.raises(ValueError, match="contains another shear test"):
+            shear_test(*create_faces(), interface=changed_film, directory=tmp_path / "test", **options)
+
+
 @pytest.mark.parametrize(
     ("waviness", "noise", "caveat"),
     [

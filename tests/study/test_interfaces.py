@@ -135,7 +135,7 @@ def test_pair_function_samples_mu0_and_tau0_of_an_interface_jointly(film_file, r
 
 @pytest.mark.parametrize(("entry", "severity"), [("quote with care", "caution"), ("do not quote", "fault")])
 def test_caveats_in_an_interface_file_apply_to_pairs_with_this_interface(tmp_path, film_file, entry, severity) -> None:
-    write_interface(interface(film_file), tmp_path / "film", {entry: "rough at 1 mN: few contacts"})
+    write_interface(interface(film_file).with_caveats(entry, ["rough at 1 mN: few contacts"]), tmp_path / "film")
     result = pair(*rough_surfaces(), interface=tmp_path / "film", **PAIR_OPTIONS)
     (caveat,) = [caveat for caveat in result.caveats if caveat.text == "interface film: rough at 1 mN: few contacts"]
     assert caveat.severity == severity
@@ -217,6 +217,8 @@ def test_sliding_rule_of_an_interface_is_still_listed_first_after_its_file_was_r
     Path(copy).unlink()
     reopened = open_result(stored_result.path)
     assert find_interface(reopened.study) is None
+    assert any("interface opposing_film is missing or has changed" in caveat.text for caveat in reopened.caveats)
+    assert reopened.assessment != "Quote it"
     assert (reopened.summary().first.rules[0].rule, reopened.value) == ("opposing", stored_result.value)
 
 
@@ -410,7 +412,7 @@ def test_interface_entry_that_a_file_cannot_represent_is_rejected_on_writing(tmp
     "key",
     [
         "sliding", "area_per_load", "variation", "separated", "common error of the tests", "rows with mu0 = 0",
-        "rows with tau0 = 0",
+        "rows with tau0 = 0", "do not quote", "quote with care",
     ],
 )  # fmt: skip
 def test_message_about_a_reserved_key_of_an_interface_file_quotes_all_reserved_keys(tmp_path, key):

@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Literal
 
 from stiction._arguments import MAX_INPUT_NUMBER
 from stiction._checks import check_bool, check_choice, validate_number
 from stiction._units import short_repr, to_core_units
 from stiction.calibration.fit import MIN_AREA_VARIATION, CalibrationProblem
-from stiction.calibration.friction_tests import Ball, FrictionTest, list_sliding_rules
+from stiction.calibration.friction_tests import Ball, FrictionTest, find_pair_faults, list_sliding_rules
 from stiction.calibration.prediction import Interface
 from stiction.mechanics.model import SlidingRule
 from stiction.study.interfaces import (
@@ -167,6 +168,8 @@ def calibrate(
         header_entries,
         common,
     )
+    interface = replace(interface, pair_faults=find_pair_faults(tests))
+    interface = interface.with_caveats(FAULTS_HEADER_ENTRY, [": ".join(fault) for fault in interface.pair_faults])
     is_excluded = fits[0].probability < EXCLUSION_P_VALUE_LIMIT and fits[0].scale > MAX_ERROR_SCALE
     entry = FAULTS_HEADER_ENTRY if is_excluded else CAUTIONS_HEADER_ENTRY
     return interface.with_caveats(entry, [*_describe_misfit(fits[0], outliers=outliers)])

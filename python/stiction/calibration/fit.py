@@ -685,7 +685,9 @@ class CalibrationProblem:
             log_volume = log_volume + np.log((grid_limits.max_tau0 - grid_limits.min_tau0) / num_tau0_cells)
         # If the interface seizes in all cells of the grid, `log_volume` is infinite or NaN.
         log_volume = np.where(np.isfinite(log_volume), log_volume, 0.0)
-        log_mu0_step = np.log(mu0_step) if self.fixed_strengths[0] is None else np.zeros(mu0_step.shape)
+        # A cell without width, near seizure, has the probability 0.
+        with np.errstate(divide="ignore"):
+            log_mu0_step = np.log(mu0_step) if self.fixed_strengths[0] is None else np.zeros(mu0_step.shape)
         log_probability += (log_norm + log_volume)[:, np.newaxis, np.newaxis] + log_mu0_step[..., np.newaxis]
         return _ProbabilityGrid(grid_limits, np.where(np.isfinite(log_probability), log_probability, -np.inf))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -12,6 +12,7 @@ import numpy as np
 
 from stiction._checks import Floats, validate_number
 from stiction._errors import ArgumentError
+from stiction._number_format import format_load
 from stiction._units import is_pressure, loads_to_core_units, short_repr, to_core_units
 from stiction.evaluate.contact_area import AreaFunction, build_area_functions
 from stiction.evaluate.member_values import estimate_area_error, interpolate_member_sums
@@ -384,6 +385,24 @@ def find_inputs_of_result(result: Any) -> dict[str, UncertainInput]:
         return {}
     inputs = Inputs.from_study(MemberSums.of(result).study)
     return {name: entry.estimate for name, entry in inputs.entries.items()}
+
+
+def find_pair_faults(tests: Sequence[FrictionTest]) -> tuple[tuple[str, str], ...]:
+    """Return the faults that forbid quoting the friction of tested pairs at the loads of their tests.
+
+    Each fault has two texts: the pair with its loads, and the fault with its remedy.
+    """
+    faults: dict[tuple[str, str], list[str]] = {}
+    results = {id(test.result): test.result for test in tests if hasattr(test.result, "summary")}
+    for index, result in enumerate(results.values(), start=1):
+        name = result.path.resolve().name if result.path else f"tested pair {index}"
+        loads = sorted({float(test.load) for test in tests if test.result is result})
+        for point in result.summary(loads).reported_points:
+            load_text = format_load(point.at["load"], point.nominal_pressure)
+            for fault in point.faults:
+                load_texts = faults.setdefault((name, f"{fault.text}, so A/F may be wrong; {fault.remedy}"), [])
+                load_texts += [] if load_text in load_texts else [load_text]
+    return tuple((f"{name} at {', '.join(load_texts)}", text) for (name, text), load_texts in faults.items())
 
 
 def list_sliding_rules(result: Any) -> tuple[str, ...]:

@@ -92,14 +92,13 @@ def calibrate(
     from stiction.calibration.tests_file import parse_friction_tests
     from stiction.cli.result_output import choose_message_printer, open_result_with_warning
     from stiction.study.input_distributions import Z_95, parse_uncertain_input
-    from stiction.study.interfaces import FAULTS_HEADER_ENTRY, write_interface
+    from stiction.study.interfaces import write_interface
     from stiction.views.calibration import (
         calibration_figure,
         calibration_json,
         calibration_text,
         list_lay_notes,
         predict_wanted_pair,
-        tested_pair_notes,
     )
     from stiction.views.style import save_figure
 
@@ -142,18 +141,18 @@ def calibrate(
                 f"--target must be the result of a measured pair with a load, got {printable_path(target)}"
             )
     interface = fit_interface(tests, common=common, sliding=sliding, mu0=mu0, tau0=tau0, outliers=outliers)  # type: ignore[arg-type]
-    bodies_of_pairs = {name: body for name, body in bodies.items() if not isinstance(body, Ball)}
-    faults, lays = tested_pair_notes(bodies_of_pairs, tests)
-    interface = interface.with_caveats(FAULTS_HEADER_ENTRY, [f"{fault.place}: {fault.text}" for fault in faults])
-    pair_caveats = [fault.caveat for fault in faults]
+    lays = [
+        note
+        for name, body in bodies.items()
+        if not isinstance(body, Ball) and any(test.result is body for test in tests)
+        for note in list_lay_notes(name, body)
+    ]
     prediction = None
     if target is not None and target_result is not None:
         prediction = predict_wanted_pair(interface, target_result)
         lays += [note for note in list_lay_notes(target.resolve().name, target_result) if note not in lays]
     print_output(
-        calibration_json(interface, pair_caveats, lays, prediction)
-        if as_json
-        else calibration_text(interface, pair_caveats + lays, prediction)
+        calibration_json(interface, lays, prediction) if as_json else calibration_text(interface, lays, prediction)
     )
     if ball is not None:
         loads = [float(test.load) for test in tests if test.result is bodies["ball"]]

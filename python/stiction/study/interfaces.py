@@ -98,6 +98,8 @@ The entry is missing if no test depends on α, or if α differs between tests.
 FAULTS_HEADER_ENTRY, CAUTIONS_HEADER_ENTRY = "do not quote", "quote with care"
 """Header entries of an interface file with caveats from its tests, according to which a coefficient may not be quoted,
 or only with care.
+
+`calibrate` fills these entries, so that the argument `about` of `write_interface` must not contain them.
 """
 
 # Largest normal score that is computed from samples, for files without columns of normal scores.
@@ -192,6 +194,9 @@ class InterfaceStrength:
         Kind ("measured", "lumped" or "bound"), materials, conditions and source.
     common : float
         Relative standard uncertainty that all tests share; NaN for a published interface or an older file.
+    pair_faults : tuple of (str, str)
+        Tested pair with the loads of its tests, and a fault that makes its A/F wrong. `about` contains these faults
+        too. Empty for an interface from a file.
     """
 
     fits: tuple[StrengthFit, ...]
@@ -202,6 +207,7 @@ class InterfaceStrength:
     tests: tuple[tuple[float, float, float, bool], ...] = ()
     about: Mapping[str, str] = field(default_factory=dict)
     common: float = math.nan
+    pair_faults: tuple[tuple[str, str], ...] = ()
 
     @classmethod
     def read(cls, path: str | Path) -> Self:
@@ -576,12 +582,14 @@ def _format_interface(interface: InterfaceStrength, about: Mapping[str, str]) ->
         header[COMMON_ERROR_HEADER_ENTRY] = repr(interface.common)
     fits_at_bounds = interface.fits[0].fits_at_bounds
     header |= {BOUND_HEADER_ENTRIES[name]: str(fit.mu0.size) for name, fit in fits_at_bounds.items()}
+    reserved_keys = (*RESERVED_HEADER_ENTRIES, FAULTS_HEADER_ENTRY, CAUTIONS_HEADER_ENTRY)
     for key, value in {**interface.about, **about}.items():
         text = " ".join(str(value).split())
-        if not key.strip() or key in RESERVED_HEADER_ENTRIES or ": " in f"{key} " or key != printable_text(key):
+        is_reserved = key in RESERVED_HEADER_ENTRIES or (key in reserved_keys and key in about)
+        if not key.strip() or is_reserved or ": " in f"{key} " or key != printable_text(key):
             raise ValueError(
                 "each key of `about` must be printable and have no colon, and must not be one of "
-                f"{', '.join(map(repr, RESERVED_HEADER_ENTRIES))}, got {short_repr(key)}"
+                f"{', '.join(map(repr, reserved_keys))}, got {short_repr(key)}"
             )
         header[key] = printable_text(text, len(text))
     file_text, fit = io.StringIO(), interface.fits[0]

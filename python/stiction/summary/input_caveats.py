@@ -159,7 +159,7 @@ def find_input_caveats(
                 text, "measure μ0 and τ0 (stiction calibrate), or give --mu0 and --tau0 with their ranges", "caution"
             )
         )
-    if interface is not None and study.friction.interface is not None:
+    if study.friction.interface is not None:
         caveats += find_interface_caveats(
             interface, study.friction.interface.name, Inputs.from_study(study), study.pair_checksum
         )

@@ -23,12 +23,20 @@ SEVERITIES_OF_HEADER_ENTRIES: dict[str, Severity] = {FAULTS_HEADER_ENTRY: "fault
 
 
 def find_interface_caveats(
-    strength: InterfaceStrength, name: str, inputs: Inputs, pair_checksum: str = ""
+    strength: InterfaceStrength | None, name: str, inputs: Inputs, pair_checksum: str = ""
 ) -> Iterator[Caveat]:
     """Yield the caveats about the interface of a pair with given inputs.
 
-    `name` is the name of the interface. `pair_checksum` identifies the pair among the tested pairs.
+    `strength` is None if the file of the interface is missing or has changed. `name` is the name of the interface.
+    `pair_checksum` identifies the pair among the tested pairs.
     """
+    if strength is None:
+        yield Caveat(
+            f"the file of interface {name} is missing or has changed, so its caveats are unknown",
+            "restore the file, or run stiction pair again with the present file",
+            "caution",
+        )
+        return
     for entry, severity in SEVERITIES_OF_HEADER_ENTRIES.items():
         if text := strength.about.get(entry):
             yield Caveat(f"interface {name}: {text}", "correct the tests, and run stiction calibrate again", severity)

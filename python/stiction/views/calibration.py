@@ -6,13 +6,13 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stiction._checks import Floats, check_instance
 from stiction._estimate import Estimate
-from stiction._number_format import format_percent, format_with_unit
+from stiction._number_format import format_load, format_percent, format_with_unit
 from stiction._repr import render_png
 from stiction.calibration.fit import MIN_AREA_VARIATION
 from stiction.calibration.planning import PlannedTests, find_plan_conditions, plan_tests
@@ -28,7 +28,7 @@ from stiction.study.interfaces import (
 from stiction.summary.interface_caveats import find_range_caveats
 from stiction.views.json_record import record_json
 from stiction.views.layout import format_table, wrap_text
-from stiction.views.point import SLIDING_RULE_DESCRIPTIONS, load_text, point_load_text
+from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.sentence import junction_growth_text, lay_assumption, possible_zeros_text
 from stiction.views.style import ALL_CONTACTS_COLOUR, FORCE_COLOUR, MATPLOTLIB_STYLE, PAGE_WIDTH, new_figure
 
@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from stiction.calibration.friction_tests import FrictionTest
     from stiction.summary.evaluation import Evaluation
 
 # All A/F (area per load) count as equal if their relative range is at most this number.
@@ -70,7 +69,7 @@ def predict_wanted_pair(interface: Interface, result: Evaluation) -> WantedPairP
     loads = [float(load) for load in result.study.friction.load]
     points = tuple(
         (
-            load_text(load, load / result.nominal_area if result.nominal_area else math.nan),
+            format_load(load, load / result.nominal_area if result.nominal_area else math.nan),
             interface.predict(result, load),
         )
         for load in loads
@@ -85,7 +84,7 @@ def calibration_text(
 ) -> str:
     """Return a calibration as text: mu0 + tau0 A/F, mu0 and tau0, junction growth, and the fit under each sliding rule.
 
-    `pair_notes` are paragraphs about the tested pairs, from `tested_pair_notes`. `prediction` replaces the table of
+    `pair_notes` are paragraphs about the tested pairs, such as notes on their lay. `prediction` replaces the table of
     tests that would separate mu0 and tau0.
     """
     first_fit = interface.fits[0]
@@ -100,7 +99,7 @@ def calibration_text(
             lines += [wrap_text(text, hanging_indent="  ")]
     else:
         lines += [wrap_text(item, hanging_indent="  ") for item in _describe_unseparated_mu0_tau0(interface)]
-    lines += [wrap_text(note, hanging_indent="  ") for note in pair_notes]
+    lines += [wrap_text(note, hanging_indent="  ") for note in (*list_pair_caveats(interface), *pair_notes)]
     if interface.junction_growth is not None:
         lines += [wrap_text(_junction_growth_text(interface), hanging_indent="  ")]
     lines += [
@@ -147,37 +146,9 @@ def _describe_prediction(interface: Interface, prediction: WantedPairPrediction)
     yield wrap_text(_plan_conditions_text(interface), hanging_indent="  ")
 
 
-class TestedPairFault(NamedTuple):
-    """Fault of a tested pair, because of which A/F of the tests is wrong; `place` names the pair and the test loads."""
-
-    place: str
-    text: str
-
-    @property
-    def caveat(self) -> str:
-        """Caveat for the output of a calibration."""
-        return f"! {self.place}, do not quote: {self.text}"
-
-
-def tested_pair_notes(
-    pairs: Mapping[str, Evaluation], tests: Sequence[FrictionTest]
-) -> tuple[list[TestedPairFault], list[str]]:
-    """Return the faults that forbid quoting the friction of tested pairs, and notes on the lay of tested profiles."""
-    faults, lay_texts = [], []
-    for name, result in pairs.items():
-        loads = sorted({float(test.load) for test in tests if test.result is result})
-        if not loads:
-            continue
-        loads_of_faults: dict[str, list[str]] = {}
-        for point in result.summary(loads).reported_points:
-            for fault in point.faults:
-                load_texts = loads_of_faults.setdefault(f"{fault.text}, so A/F may be wrong; {fault.remedy}", [])
-                load_texts += [text for text in [point_load_text(point)] if text not in load_texts]
-        faults += [
-            TestedPairFault(f"{name} at {', '.join(load_texts)}", text) for text, load_texts in loads_of_faults.items()
-        ]
-        lay_texts += list_lay_notes(name, result)
-    return faults, lay_texts
+def list_pair_caveats(interface: Interface) -> list[str]:
+    """Return the faults of tested pairs, because of which no coefficient with the interface may be quoted."""
+    return [f"! {place}, do not quote: {fault}" for place, fault in interface.pair_faults]
 
 
 def list_lay_notes(name: str, result: Evaluation) -> list[str]:
@@ -285,12 +256,9 @@ def _describe_fit(interface: Interface, fit: StrengthFit) -> Iterator[str]:
 
 
 def calibration_json(
-    interface: Interface,
-    pair_caveats: Sequence[str] = (),
-    lays: Sequence[str] = (),
-    prediction: WantedPairPrediction | None = None,
+    interface: Interface, lays: Sequence[str] = (), prediction: WantedPairPrediction | None = None
 ) -> str:
-    """Return a calibration as JSON. `pair_caveats` and `lays` come from `tested_pair_notes`."""
+    """Return a calibration as JSON. `lays` are the notes of `list_lay_notes` on the tested pairs."""
     separate_status = "ok" if interface.separated else "not separated"
     coordinates = {"area_per_load_per_GPa": interface.tested_area_per_load[0]}
     estimate_records = [
@@ -320,7 +288,7 @@ def calibration_json(
         variation=interface.variation, separated=interface.separated,
         junction_growth=None if interface.junction_growth is None else interface.junction_growth.short_text,
         possible_zeros=list(interface.possible_zeros), excluded=list(interface.excluded), fits=fits,
-        would_separate=advice_records, pair_caveats=list(pair_caveats), lays=list(lays),
+        would_separate=advice_records, pair_caveats=list_pair_caveats(interface), lays=list(lays),
         **_build_prediction_fields(prediction),
     )  # fmt: skip
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stiction._number_format import choose_prefixed_unit, format_significant, format_with_unit
+from stiction._number_format import choose_prefixed_unit, format_load, format_significant, format_with_unit
 from stiction.evaluate.point import (
     find_contact_status,
     has_nominal_area,
@@ -22,7 +22,6 @@ from stiction.mechanics.friction import STATUS_OK
 from stiction.views import rows
 from stiction.views.json_record import record_json
 from stiction.views.layout import format_table, wrap_text
-from stiction.views.point import load_text
 from stiction.views.quantities import percent_text
 
 if TYPE_CHECKING:
@@ -69,7 +68,7 @@ def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
             _height_factor_row(point.isel(height_scale=index), rules, study)
             for index in range(point.sizes["height_scale"])
         ]
-        load_description = load_text(float(point["load"]), nominal_pressure_at(point, study))
+        load_description = format_load(float(point["load"]), nominal_pressure_at(point, study))
         lines += ["", wrap_text(f"At {load_description}, {material_text}:"), format_table(table)]
     lines += ["", wrap_text(HEIGHT_SCALE_NOTE)]
     return "\n".join(lines) + "\n"

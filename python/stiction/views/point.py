@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._number_format import choose_prefixed_unit, format_with_unit
+from stiction._number_format import choose_prefixed_unit, format_load, format_with_unit
 from stiction.mechanics.friction import STATUS_BULK_SHEAR, STATUS_OK
 
 if TYPE_CHECKING:
@@ -94,18 +94,12 @@ def material_names_text(study: Study) -> str:
     return "" if material_names is None else " on ".join(material_names)
 
 
-def load_text(load: float, nominal_pressure: float) -> str:
-    """Return a load (mN) and its nominal pressure (GPa) as text, as in "10 mN (100 MPa)"."""
-    pressure_text = "" if math.isnan(nominal_pressure) else f" ({format_with_unit(nominal_pressure, 'GPa')})"
-    return f"{format_with_unit(load, 'mN')}{pressure_text}"
-
-
 def point_load_text(point: PointSummary) -> str:
     """Return the load at a result point with its nominal pressure as text.
 
     Returns "no load" if the load is negligible.
     """
-    return "no load" if point.is_unloaded else load_text(point.at["load"], point.nominal_pressure)
+    return "no load" if point.is_unloaded else format_load(point.at["load"], point.nominal_pressure)
 
 
 def coefficient_text(point: PointSummary, coefficient: SlidingRuleCoefficient) -> str:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stiction._estimate import Estimate
-from stiction._number_format import format_percent, format_significant
+from stiction._number_format import format_load, format_percent, format_significant
 from stiction.evaluate.computed_loads import find_computed_load_range
 from stiction.evaluate.point import has_nominal_area
 from stiction.study.study import find_step_dimension
@@ -34,7 +34,6 @@ from stiction.views.point import (
     SLIDING_RULE_TITLES,
     coefficient_text,
     coordinate_text,
-    load_text,
     motion_direction_text,
     nominal_area_text,
     point_coordinate_text,
@@ -217,7 +216,7 @@ def missing_loads_text(result: Evaluation, values: xarray.Dataset, missing_loads
     load_range = find_computed_load_range(result, values)
 
     def describe_load(load: float) -> str:
-        return load_text(load, load / float(values["nominal_area"]) if has_nominal_area(values, study) else math.nan)
+        return format_load(load, load / float(values["nominal_area"]) if has_nominal_area(values, study) else math.nan)
 
     load_texts = list(map(describe_load, missing_loads))
     listed_texts = f"{', '.join(load_texts[:-1])} and {load_texts[-1]}" if len(load_texts) > 1 else load_texts[0]
@@ -245,7 +244,7 @@ def interpolation_text(
     """
 
     def describe_load(load: float) -> str:
-        return load_text(load, math.nan if nominal_area is None else load / nominal_area)
+        return format_load(load, math.nan if nominal_area is None else load / nominal_area)
 
     def describe_computed_load(load: float) -> str:
         points_of_load = [point for point in points if point.at["load"] == load]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._number_format import format_with_unit
+from stiction._number_format import format_load, format_with_unit
 from stiction._text import printable_text
 from stiction.mechanics import friction
 from stiction.mechanics.quantities import QUANTITIES, STIFFNESS_PER_AREA_QUANTITIES
@@ -22,7 +22,6 @@ from stiction.views.point import (
     SLIDING_RULE_DESCRIPTIONS,
     averaged_directions_text,
     cutoff_text,
-    load_text,
     material_names_text,
     motion_direction_text,
     nominal_area_text,
@@ -86,7 +85,7 @@ def _page_script_data(data: ReportDataOfMeasuredSurfaces, values: ReportValuesOf
         "kinds": [_MEMBER_KIND_TEXTS.get(kind or "", study.member_names.plural) for kind in values.member_kinds],
         "loads": {
             "values": loads,
-            "texts": [load_text(*items) for items in zip(loads, pressures, strict=True)],
+            "texts": [format_load(*items) for items in zip(loads, pressures, strict=True)],
             "unit": f"; 1 mN is {1000 / area:.4g} MPa" if data.study.has_nominal_area else "",
         },
         "start": {
