@@ -25,6 +25,7 @@ from stiction import (
     write_interface,
 )
 from stiction._estimate import Estimate
+from stiction.calibration.planning import find_plan_conditions
 from stiction.study.inputs import Inputs
 from stiction.study.interfaces import (
     HARDNESS_HEADER_ENTRY,
@@ -308,7 +309,24 @@ def test_calibration_text_explains_an_infinite_upper_limit_and_repeats_caveats_a
         for each in (prediction, replace(prediction, points=points[:1]))
     ]
     assert [("An upper limit of ∞ means that" in text) for text in texts] == [True, False]
+    records = [
+        json.loads(calibration_json(interface, (), each))
+        for each in (prediction, replace(prediction, points=points[:1]))
+    ]
+    assert [bool(record["unlimited"]) for record in records] == [True, False]
     assert all("! E* is 3 GPa, but 2 to 4 GPa in the tests" in text for text in texts)
+
+
+@pytest.mark.parametrize(("num_tests", "loads_text"), [(1, "one load"), (3, "two decades of load")])
+def test_plan_of_further_ball_tests_states_the_loads_and_conditions_of_the_tests(num_tests, loads_text) -> None:
+    interface = calibrate([FrictionTest(BALL, "20 mN", coefficient=0.3, uncertainty=0.015)] * num_tests)
+    assert interface.advice[0][0].endswith(f"of a smooth ball below yield, {loads_text}")
+    conditions = json.loads(calibration_json(interface))["plan_conditions"]
+    assert (conditions["tests"], conditions["relative_error"]) == (num_tests, pytest.approx(0.05))
+    low, high = conditions["ball_area_per_load_per_GPa"]
+    assert (high / low) ** 3 == pytest.approx(1 if num_tests == 1 else 100)
+    range_text = f"{low:.3g} 1/GPa" if num_tests == 1 else f"{low:.3g} to {high:.3g} 1/GPa"
+    assert f"A/F of the ball is {range_text}" in " ".join(calibration_text(interface).split())
 
 
 def test_narrower_modulus_of_a_ball_applies_to_its_tests_as_in_a_fit_with_this_range() -> None:
@@ -534,7 +552,7 @@ def test_both_ends_of_the_line_that_unseparated_tests_allow_have_the_median_sum(
     assert low_mu0 + 1e-3 * high_tau0 == pytest.approx(high_mu0, abs=0.02)
 
 
-def test_mean_area_per_load_of_opposing_contacts_that_grow_is_within_its_interval() -> None:
+def test_mean_area_per_load_of_opposing_contacts_that_grow_is_within_its_interval(tmp_path) -> None:
     tests = [FrictionTest(compute_plastic_pair("slip-line"), "20 MPa", coefficient=0.2, uncertainty=0.01)] * 3
     interface = calibrate(tests, common=0.0, sliding="opposing")
     value, lower, upper = interface.tested_area_per_load
@@ -542,7 +560,11 @@ def test_mean_area_per_load_of_opposing_contacts_that_grow_is_within_its_interva
     assert all(lower < area_per_load < upper for area_per_load, *_ in interface.tests)
     text = " ".join(calibration_text(interface).split())
     assert f"A/F of the tests: {Estimate(value, lower, upper).text()} 1/GPa" in text
-    assert lower < interface.area_per_load < upper
+    # The text, the JSON record, the file and the plans of further tests have the same A/F.
+    assert interface.area_per_load == value
+    write_interface(interface, tmp_path / "law")
+    assert read_interface(tmp_path / "law").tested_area_per_load[0] == value
+    assert math.prod(find_plan_conditions(interface).ball_area_per_load) == pytest.approx(value**2)
     (identified, *_) = json.loads(calibration_json(interface))["values"]
     assert identified["at"]["area_per_load_per_GPa"] == pytest.approx(value)
 

@@ -13,6 +13,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Literal
 
+import numpy as np
+
 from stiction._arguments import MAX_INPUT_NUMBER
 from stiction._checks import check_bool, check_choice, validate_number
 from stiction._units import short_repr, to_core_units
@@ -144,7 +146,9 @@ def calibrate(
         len(tests) > 2 and first_problem.area_per_load_variation >= MIN_AREA_VARIATION
     )
     area_per_load_of_tests = fits[0].area_per_load_of_tests
-    mean_area_per_load = first_problem.average_over_tests(area_per_load_of_tests)
+    mean_area_per_load = float(np.median(fits[0].area_per_load))
+    if not math.isfinite(mean_area_per_load):
+        mean_area_per_load = first_problem.average_over_tests(area_per_load_of_tests)
     test_points = [
         (float(ratio), float(test.coefficient or 0.0), float(test.uncertainty or math.nan), test.slid)
         for ratio, test in zip(area_per_load_of_tests, tests, strict=True)

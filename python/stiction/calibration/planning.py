@@ -38,7 +38,7 @@ class PlanConditions(NamedTuple):
     relative_error: float
     # True if the errors of the present tests are given.
     is_error_known: bool
-    # True areas per load (1/GPa) of a ball at the highest and at the lowest load.
+    # True areas per load (1/GPa) of a ball at the highest and at the lowest load, which are equal for a single test.
     ball_area_per_load: tuple[float, float]
 
 
@@ -49,12 +49,22 @@ def find_plan_conditions(interface: Interface) -> PlanConditions:
     ]
     relative_error = float(np.median(relative_errors)) if relative_errors else math.nan
     is_error_known = math.isfinite(relative_error)
-    # For a ball (Hertz), the area per load A/F is proportional to F^(-1/3).
-    ball_ratio = BALL_LOAD_RANGE ** (1 / 6)
+    num_tests = max(len(interface.tests), 1)
+    ball_areas_per_load = _compute_areas_per_load_of_ball_tests(interface.area_per_load, num_tests)
     return PlanConditions(
-        max(len(interface.tests), 1), relative_error if is_error_known else DEFAULT_RELATIVE_ERROR, is_error_known,
-        (interface.area_per_load / ball_ratio, interface.area_per_load * ball_ratio),
+        num_tests, relative_error if is_error_known else DEFAULT_RELATIVE_ERROR, is_error_known,
+        (float(ball_areas_per_load[0]), float(ball_areas_per_load[-1])),
     )  # fmt: skip
+
+
+def _compute_areas_per_load_of_ball_tests(area_per_load: float, count: int) -> Floats:
+    """Return A/F (1/GPa) of further tests of a ball, from the highest load to the lowest load.
+
+    A single test has the highest load, because μ0 and τ0 need a second A/F. For a ball (Hertz), A/F is proportional to
+    F^(-1/3).
+    """
+    ball_ratio = BALL_LOAD_RANGE ** (1 / 6)
+    return np.asarray(area_per_load * np.geomspace(1 / ball_ratio, ball_ratio, count))
 
 
 def list_area_plans(area_per_load: float, count: int) -> Iterator[tuple[str, Floats]]:
@@ -63,11 +73,10 @@ def list_area_plans(area_per_load: float, count: int) -> Iterator[tuple[str, Flo
     `area_per_load` and `count` are the mean true area per load (1/GPa) and the number of the present tests.
     """
     tests = _count_tests(count)
-    # For a ball (Hertz), the area per load A/F is proportional to F^(-1/3).
-    ball_ratio = BALL_LOAD_RANGE ** (1 / 6)
+    loads = "one load" if count == 1 else "two decades of load"
     yield (
-        f"{tests} of a smooth ball below yield, two decades of load",
-        area_per_load * np.geomspace(1 / ball_ratio, ball_ratio, count),
+        f"{tests} of a smooth ball below yield, {loads}",
+        _compute_areas_per_load_of_ball_tests(area_per_load, count),
     )
     yield f"{tests} of a second finish, elastic, three times as rough", np.full(count, area_per_load / 3)
     yield f"{tests} with the same film on a body twice as hard", np.full(count, area_per_load / 2)

@@ -38,7 +38,7 @@ class Interface(InterfaceStrength):
     fits : tuple of StrengthFit
         Fits for the requested sliding rules, in order of preference.
     area_per_load : float, 1/GPa
-        True area per load (A/F) of the tests, at which mu0 + tau0 A/F is identified.
+        Median true area per load (A/F), averaged over the tests, at which mu0 + tau0 A/F is identified.
     variation : float
         Standard deviation of A/F among the tests, divided by the mean.
     separated : bool

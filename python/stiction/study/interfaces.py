@@ -179,7 +179,7 @@ class InterfaceStrength:
     fits : tuple of StrengthFit
         Fits for the requested sliding rules, in order of preference.
     area_per_load : float, 1/GPa
-        True area per load (A/F) of the tests, at which mu0 + tau0 A/F is identified.
+        Median true area per load (A/F), averaged over the tests, at which mu0 + tau0 A/F is identified.
     variation : float
         Standard deviation of A/F among the tests, divided by the mean.
     separated : bool
@@ -332,15 +332,15 @@ class InterfaceStrength:
 
     @property
     def tested_area_per_load(self) -> ValueWithLimits:
-        """True area per load A/F (1/GPa), averaged over the tests: median and 95 % interval of the joint samples.
+        """True area per load A/F (1/GPa), averaged over the tests: `area_per_load` with its 95 % interval.
 
-        Without samples, as in older files, the value is `area_per_load`, and the limits are NaN.
+        The limits are NaN without joint samples of A/F, as in older files.
         """
         samples = self.fits[0].area_per_load
         if not np.isfinite(samples).all():
             return self.area_per_load, math.nan, math.nan
         low, high = np.quantile(samples, find_tail_probabilities())
-        return float(np.median(samples)), float(low), float(high)
+        return self.area_per_load, float(low), float(high)
 
     @property
     def identified(self) -> ValueWithLimits:

@@ -63,6 +63,11 @@ class WantedPairPrediction:
     plans: tuple[PlannedTests, ...]
     caveats: tuple[str, ...] = ()
 
+    @property
+    def is_unlimited(self) -> bool:
+        """True if a predicted interval has no upper limit."""
+        return any(math.isinf(upper) for _, (_, _, upper) in self.points)
+
 
 def predict_wanted_pair(interface: Interface, result: Evaluation) -> WantedPairPrediction:
     """Predict the coefficients of a wanted pair, and the intervals after further tests."""
@@ -126,9 +131,15 @@ def _plan_conditions_text(interface: Interface) -> str:
     conditions = find_plan_conditions(interface)
     reason = "the median of your tests" if conditions.is_error_known else "because the errors of your tests are unknown"
     low, high = conditions.ball_area_per_load
+    error_text = f"has an error of {format_percent(conditions.relative_error)}, {reason}."
+    if conditions.num_tests == 1:
+        return (
+            f"Each of these tests {error_text} Choose a load at which A/F of the ball is {low:.3g} 1/GPa, and the "
+            "present load for other pairs."
+        )
     return (
-        f"Each of these tests has an error of {format_percent(conditions.relative_error)}, {reason}. Choose loads at "
-        f"which A/F of the ball is {low:.3g} to {high:.3g} 1/GPa, and the present loads for other pairs."
+        f"Each of these tests {error_text} Choose loads at which A/F of the ball is {low:.3g} to {high:.3g} 1/GPa, and "
+        "the present loads for other pairs."
     )
 
 
@@ -137,7 +148,7 @@ def _describe_prediction(interface: Interface, prediction: WantedPairPrediction)
     rule, (load, first_coefficient) = SLIDING_RULE_DESCRIPTIONS[interface.fits[0].sliding], prediction.points[0]
     for text, limits in prediction.points:
         yield f"predicted at {text}: μ_s = {Estimate(*limits)}  {rule}"
-    if any(math.isinf(upper) for _, (_, _, upper) in prediction.points):
+    if prediction.is_unlimited:
         yield wrap_text(UNLIMITED_PREDICTION_TEXT, hanging_indent="  ")
     yield from (wrap_text(caveat, hanging_indent="  ") for caveat in prediction.caveats)
     yield ""
@@ -288,9 +299,19 @@ def calibration_json(
         variation=interface.variation, separated=interface.separated,
         junction_growth=None if interface.junction_growth is None else interface.junction_growth.short_text,
         possible_zeros=list(interface.possible_zeros), excluded=list(interface.excluded), fits=fits,
-        would_separate=advice_records, pair_caveats=list_pair_caveats(interface), lays=list(lays),
+        would_separate=advice_records, plan_conditions=_build_plan_conditions(interface),
+        pair_caveats=list_pair_caveats(interface), lays=list(lays),
         **_build_prediction_fields(prediction),
     )  # fmt: skip
+
+
+def _build_plan_conditions(interface: Interface) -> dict[str, Any]:
+    """Return number, relative error and A/F (1/GPa, of a ball) of the further tests in all plans as JSON fields."""
+    conditions = find_plan_conditions(interface)
+    return {
+        "tests": conditions.num_tests, "relative_error": conditions.relative_error,
+        "is_error_known": conditions.is_error_known, "ball_area_per_load_per_GPa": list(conditions.ball_area_per_load),
+    }  # fmt: skip
 
 
 def _build_prediction_fields(prediction: WantedPairPrediction | None) -> dict[str, Any]:
@@ -299,6 +320,7 @@ def _build_prediction_fields(prediction: WantedPairPrediction | None) -> dict[st
         return {}
     return {
         "predicted": [_build_coefficient_fields(text, limits) for text, limits in prediction.points],
+        "unlimited": UNLIMITED_PREDICTION_TEXT if prediction.is_unlimited else None,
         "caveats": list(prediction.caveats),
         "further_tests": [_build_coefficient_fields(plan.text, plan.coefficient) for plan in prediction.plans],
     }
