@@ -25,6 +25,7 @@ from stiction import (
     write_interface,
 )
 from stiction._estimate import Estimate
+from stiction.calibration.fit import CalibrationProblem
 from stiction.calibration.planning import find_plan_conditions
 from stiction.study.inputs import Inputs
 from stiction.study.interfaces import (
@@ -574,6 +575,19 @@ def test_samples_of_a_strong_interface_have_a_finite_area() -> None:
     interface = calibrate(tests, common=0.0, sliding="opposing")
     assert np.isfinite(interface.fits[0].area_per_load).all()
     assert interface.possible_zeros == ("mu0", "tau0")
+
+
+def test_fit_with_mu0_cells_of_zero_width_issues_no_warning(monkeypatch) -> None:
+    """Near seizure, the width of a cell can be below the round-off of mu0."""
+    choose_grid = CalibrationProblem._choose_mu0_grid_at_tau0
+
+    def choose_grid_with_a_row_of_zero_width(*arguments: Any) -> Any:
+        mu0_start, mu0_step = choose_grid(*arguments)
+        return mu0_start, np.where(np.arange(mu0_step.shape[-1]) == 0, 0.0, mu0_step)
+
+    monkeypatch.setattr(CalibrationProblem, "_choose_mu0_grid_at_tau0", choose_grid_with_a_row_of_zero_width)
+    interface = calibrate(simulate_ball_tests(), common=0.0)
+    assert interface.mu0[1] < MU0 < interface.mu0[2]
 
 
 def test_understated_errors_of_friction_tests_are_scaled_up() -> None:
