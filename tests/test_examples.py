@@ -471,7 +471,7 @@ def test_page_about_the_model_shows_the_numbers_computed_for_two_contacts():
         f"| {all_contacts[0]:.3f} | {all_contacts[1]:.3f} | **{mean_friction:.3f}** |",
         f"| {climbed[0]:.3f} + {force_z:.3f} = {opposing[0]:.3f} | {opposing[1]:.3f} | **{small_slope:.3f}** |",
         f"carries only its elastic {force_z:.3f} mN",
-        f"m = {mean_friction:.3f} and 2S = tan 5° also give {small_slope:.3f}",
+        f"with m = {mean_friction:.3f} and 2S = tan 5°, the closed form also gives μ_s = {small_slope:.3f}",
     ):
         assert text in section
 
