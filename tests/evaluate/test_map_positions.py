@@ -137,7 +137,7 @@ class TestListedPositions:
         ("changes", "pattern"),
         [
             ({"positions": [(2.6, 0.0)]}, "at least 16 rows and columns"),
-            ({"positions": [(9.0, 0.0)]}, "rows and columns, got 64 by 0 points"),
+            ({"positions": [(9.0, 0.0)]}, "rows and columns, got 64 rows and 0 columns"),
             ({"positions": [1.0, 2.0, 3.0]}, "positions must be pairs of x and y for maps, got 3 values"),
             ({"positions": [(1e300, 0.0)]}, "positions"),
             ({"positions": [(0.0, 0.0), (0.0, 0.0)]}, "positions must differ"),
