@@ -6,8 +6,7 @@ from stiction._checks import check_bool
 from stiction.surfaces.filters import gaussian_low_pass, validate_cutoff
 from stiction.surfaces.surface import AnyBody, as_body
 
-# Longest filter cutoff, as a fraction of the shortest side of a body.
-# With a longer cutoff, the shortest side would contain fewer than three transmitted wavelengths.
+# A longer cutoff would leave fewer than three transmitted wavelengths on the shortest side of a body.
 MAX_CUTOFF_FRACTION = 1 / 3
 
 

@@ -31,12 +31,9 @@ MIN_STEP_SHARPNESS = 0.8
 Smooth forms have a smaller fraction.
 """
 
-# Number of directions (0°, 2.5°, ... 177.5°) in which a height step of a map is searched for.
 _NUM_STEP_DIRECTIONS = 72
-# Each side of a height step must have at least this fraction of the points of a scan.
 _MIN_POINT_FRACTION_BESIDE_STEP = 0.02
-# Smallest and largest distance (blocks) from a height step at which heights on both sides are compared.
-_STEP_DISTANCE_RANGE_IN_BLOCKS = (0.75, 3.75)
+_COMPARED_DISTANCES_FROM_STEP_IN_BLOCKS = (0.75, 3.75)
 
 
 class DominantStep(NamedTuple):
@@ -90,7 +87,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
     for angle in np.linspace(0, np.pi, _NUM_STEP_DIRECTIONS, endpoint=False) if is_map else [0.0]:
         distance_across = np.cos(angle) * coordinates[0] + np.sin(angle) * coordinates[-1]
         block_order = np.argsort(distance_across, kind="stable")
-        # For each possible edge, the heights are projected onto a step at this edge. The step has no mean and no tilt.
+        # Each candidate edge defines a height step without mean and tilt, onto which the heights are projected.
         projections, *trend_sums = np.cumsum(np.take(rows, block_order, axis=1), axis=1)[:, candidate_edges]
         square_norms = num_blocks_below[candidate_edges] - np.square(trend_sums).sum(axis=0)
         explained_square_sums = np.square(projections) / square_norms
@@ -104,7 +101,8 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
             best_distances_across = distance_across
     distances = best_distances_across - best_edge
     nearest_distance, farthest_distance = (
-        2 / min(MAX_BLOCKS, count) * distance_in_blocks for distance_in_blocks in _STEP_DISTANCE_RANGE_IN_BLOCKS
+        2 / min(MAX_BLOCKS, count) * distance_in_blocks
+        for distance_in_blocks in _COMPARED_DISTANCES_FROM_STEP_IN_BLOCKS
     )
     heights_below, heights_above = (
         heights[(sign * distances > nearest_distance) & (sign * distances < farthest_distance)] for sign in (-1, 1)
@@ -113,7 +111,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
         return None
     if (heights_above.mean() - heights_below.mean()) / best_height < MIN_STEP_SHARPNESS:
         return None
-    # Blocks that the height step divides are excluded, because their mean heights mix both sides.
+    # A block that the height step divides is excluded, because its mean height mixes both sides of the step.
     is_undivided = np.abs(distances) > nearest_distance
     design_matrix = np.stack([np.ones_like(heights), *coordinates, distances > 0], axis=1)[is_undivided]
     *_, height = np.linalg.lstsq(design_matrix, heights[is_undivided], rcond=None)[0]

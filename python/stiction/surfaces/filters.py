@@ -17,26 +17,18 @@ from stiction.surfaces.surface import AnyBody, Surface, as_body
 
 FilterKind = Literal["S", "L"]
 MonomialExponents = tuple[int, ...]
-# Shortest cutoff of a filter, in points.
 # With a cutoff of 0.5 points, 96 % of the amplitude remains at the shortest wavelength, two points.
 MIN_CUTOFF_POINTS = 0.5
-# Minimum cutoff (points) for which the filter fits straight lines near the ends of a profile.
-_MIN_REGRESSION_CUTOFF_POINTS = 4.0
-# Half width of the weight function, in cutoff wavelengths.
-# Beyond the half width, all weights are below 1e-15 of the largest weight.
+_MIN_CUTOFF_POINTS_FOR_END_REGRESSION = 4.0
+# Farther from a point, all filter weights are below 1e-15 of the largest weight.
 _FILTER_HALF_WIDTH_IN_CUTOFFS = 1.6
-# Minimum number of filter weights on each side of a point.
-# With a cutoff of two or three points, the weights decay slowly: to 1e-5 at a distance of 64 points.
+# With a cutoff of two or three points, the filter weights decay slowly: to 1e-5 at a distance of 64 points.
 _MIN_HALF_WIDTH_POINTS = 64
-# A mean line is estimated only where measured points have at least this fraction of the total filter weight.
-_MIN_WEIGHT_COVERAGE = 1e-6
-# The normal equations of a local polynomial count as singular if a normalised pivot is below this number.
+_MIN_MEASURED_WEIGHT_FRACTION = 1e-6
 _MIN_NORMALISED_PIVOT = 1e-9
-# Scale of Tukey's biweight, in median absolute deviations.
-# For normally distributed heights, the scale of the biweight is three standard deviations.
+# Scale of Tukey's biweight in median absolute deviations: three standard deviations of normally distributed heights.
 _BIWEIGHT_SCALE = 4.4478
-# The robust filter has converged if the mean line changes by less than this fraction of the biweight scale.
-_ROBUST_FILTER_TOLERANCE = 1e-4
+_ROBUST_TOLERANCE_IN_BIWEIGHT_SCALES = 1e-4
 _MAX_ROBUST_ITERATIONS = 200
 
 
@@ -165,7 +157,7 @@ def gaussian_low_pass(
         )
         if measured_weights is not None:
             mean_line = _divide_by_weights(mean_line, _filter_periodic(measured_weights, cutoffs_in_points), heights)
-    elif max(cutoffs_in_points) < _MIN_REGRESSION_CUTOFF_POINTS:
+    elif max(cutoffs_in_points) < _MIN_CUTOFF_POINTS_FOR_END_REGRESSION:
         mean_line = _filter_reflected(heights, cutoffs_in_points)
     elif measured_weights is not None:
         mean_line = _fit_local_polynomials(
@@ -191,7 +183,7 @@ def robust_gaussian_low_pass(body: Profile | Surface, cutoff: float) -> Floats:
         residual = np.abs(heights - mean_line)
         biweight_scale = _BIWEIGHT_SCALE * float(np.median(residual[measured_weights > 0]))
         if (
-            np.abs(mean_line - previous_mean_line).max() <= _ROBUST_FILTER_TOLERANCE * biweight_scale
+            np.abs(mean_line - previous_mean_line).max() <= _ROBUST_TOLERANCE_IN_BIWEIGHT_SCALES * biweight_scale
             or biweight_scale == 0
         ):
             return np.asarray(mean_line + mean)
@@ -252,7 +244,7 @@ def _divide_by_weights(sums: Floats, weights: Floats, heights: Floats) -> Floats
 
     Where a sum of weights is too small, the height is kept.
     """
-    is_covered = weights > _MIN_WEIGHT_COVERAGE
+    is_covered = weights > _MIN_MEASURED_WEIGHT_FRACTION
     return np.where(is_covered, sums / np.where(is_covered, weights, 1), heights)
 
 
@@ -383,9 +375,8 @@ def _solve_constant_terms(
     reach, the result is the height of the point.
     """
     term_indices = range(len(basis))
-    total_weight = np.where(moments[basis[0]] > _MIN_WEIGHT_COVERAGE, moments[basis[0]], 1)
-    # Row k of the normal equations belongs to polynomial term k.
-    # Only the lower triangle is stored, because the equations remain symmetric during elimination.
+    total_weight = np.where(moments[basis[0]] > _MIN_MEASURED_WEIGHT_FRACTION, moments[basis[0]], 1)
+    # The normal equations remain symmetric during elimination, so only their lower triangle is stored.
     rows = {
         (k, m): moments[_multiply_monomials(basis[k], basis[m])] / total_weight
         for k in term_indices
@@ -393,7 +384,7 @@ def _solve_constant_terms(
     }
     reduced_right_sides = [right_side / total_weight for right_side in right_sides]
     constant_terms = reduced_right_sides[0]
-    is_regular = moments[basis[0]] > _MIN_WEIGHT_COVERAGE
+    is_regular = moments[basis[0]] > _MIN_MEASURED_WEIGHT_FRACTION
     is_covered = is_regular.copy()
     for eliminated_term in reversed(term_indices[1:]):
         is_regular &= rows[eliminated_term, eliminated_term] > _MIN_NORMALISED_PIVOT

@@ -12,16 +12,12 @@ from stiction._checks import Floats
 
 # A noise floor is significant if it increases the log-likelihood of the fitted power laws by more than this number.
 MIN_FLOOR_LIKELIHOOD_GAIN = 2.0
-# Initial noise level of the fit, as a fraction of the lowest spectral density.
-_INITIAL_FLOOR_FRACTION = 0.3
-# The fit has converged if a step decreases the negative log-likelihood by less than this fraction.
-_LOSS_TOLERANCE = 1e-13
+_INITIAL_FLOOR_TO_LOWEST_DENSITY_RATIO = 0.3
+_RELATIVE_LOSS_TOLERANCE = 1e-13
 # Nearly all fits of a noise floor need fewer than 20 steps.
 _MAX_FIT_STEPS = 200
-# Factors by which the damping changes after an accepted step, and after a rejected step.
 _DAMPING_DECREASE, _DAMPING_INCREASE = 0.1, 10.0
-# Initial damping of the Newton steps, as a fraction of the diagonal of the expected Hessian.
-_INITIAL_DAMPING = 1e-3
+_INITIAL_DAMPING_TO_HESSIAN_RATIO = 1e-3
 
 
 class BinnedSpectrum(NamedTuple):
@@ -41,7 +37,6 @@ class NoiseFloorFit(NamedTuple):
     level: float
     # Increase of the log-likelihood due to the noise floor.
     gain: float
-    # Exponent s of the power law fitted to each spectrum.
     exponents: tuple[float, ...]
     # Ratio of the fitted noise density to the fitted power law at the largest wave number of each spectrum.
     ratios: tuple[float, ...]
@@ -75,7 +70,10 @@ def fit_noise_floor(spectra: Sequence[BinnedSpectrum], *, exponents: tuple[float
     )
     upper_bounds[-1] = math.inf
     parameters_with_floor, loss_with_floor = _minimize_loss(
-        scaled_spectra, [*parameters_without_floor[:-1], _INITIAL_FLOOR_FRACTION], lower_bounds, upper_bounds
+        scaled_spectra,
+        [*parameters_without_floor[:-1], _INITIAL_FLOOR_TO_LOWEST_DENSITY_RATIO],
+        lower_bounds,
+        upper_bounds,
     )
     has_floor = loss_with_floor < loss_without_floor
     *power_law_parameters, level = (parameters_with_floor if has_floor else parameters_without_floor).tolist()
@@ -97,7 +95,7 @@ def _minimize_loss(
 
     `scipy.optimize` has such methods, but its import takes longer than the fits of all scans of a pair.
     """
-    parameters, damping = np.array(initial_parameters), _INITIAL_DAMPING
+    parameters, damping = np.array(initial_parameters), _INITIAL_DAMPING_TO_HESSIAN_RATIO
     loss, gradient, hessian, damping_scale = _compute_loss(spectra, parameters)
     for _ in range(_MAX_FIT_STEPS):
         is_free = (
@@ -118,10 +116,10 @@ def _minimize_loss(
                 trial_loss, *derivatives = _compute_loss(spectra, trial_parameters)
         if not trial_loss < loss:
             damping *= _DAMPING_INCREASE
-            if damping > 1 / _LOSS_TOLERANCE:
+            if damping > 1 / _RELATIVE_LOSS_TOLERANCE:
                 break
             continue
-        is_converged = loss - trial_loss <= _LOSS_TOLERANCE * abs(loss)
+        is_converged = loss - trial_loss <= _RELATIVE_LOSS_TOLERANCE * abs(loss)
         parameters, loss, (gradient, hessian, damping_scale) = trial_parameters, trial_loss, derivatives
         damping *= _DAMPING_DECREASE
         if is_converged:

@@ -16,9 +16,8 @@ RoundForm = Literal["circle", "sphere", "cylinder"]
 # Coordinates (x, y) in µm relative to the middle of the map.
 PointCoordinates = tuple[Floats, Floats]
 _FormModel = Callable[[Floats, PointCoordinates], Floats]
-# Lower limit of cos²(slope angle). Beyond the equator of a sphere, the computed cos² would be negative.
+# Beyond the equator of a sphere, the computed cos² of the slope angle would be negative.
 _MIN_COSINE_SQUARED = 1e-6
-# The fit of a round form has converged if residuals and parameters change by less than this fraction.
 _FIT_TOLERANCE = 1e-12
 
 

@@ -8,28 +8,19 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Minimum distance between the harmonics of a texture, in bins of the spectrum.
-# Between closer harmonics, too few bins are left to estimate the spectral density without the texture.
+# Between closer harmonics, too few bins of the spectrum are left to estimate the density without the texture.
 MIN_HARMONIC_DISTANCE = 10
-# The first harmonic of a texture is searched for above this bin of the spectrum.
-# In lower bins, a peak may be the mean or a tilt, which a Hann window spreads over two bins.
+# In lower bins of the spectrum, a peak may be the mean or a tilt, which a Hann window spreads over two bins.
 _MIN_FIRST_HARMONIC_BIN = 2.5
-# Maximum number of harmonics whose density is compared with the density between harmonics.
 _MAX_COMPARED_HARMONICS = 8
-# Minimum number of significant harmonics of a texture in addition to the first harmonic.
-# In addition, more than a third of the compared harmonics must be significant.
-_MIN_SIGNIFICANT_HARMONICS = 2
-# Maximum number of spectral peaks that are tested as the first harmonic of a texture.
+_MIN_SIGNIFICANT_HIGHER_HARMONICS = 2
 _MAX_TESTED_PEAKS = 6
-# A harmonic is significant if its density exceeds the density between harmonics by this factor.
-# By chance, about one bin in 1000 has ten times the density of its neighbours.
+# By chance, about one bin in 1000 has ten times the spectral density of its neighbours.
 _MIN_HARMONIC_RATIO = 10.0
-# Half width of the peak of a harmonic after a Hann window, in bins.
+# A Hann window spreads a harmonic over this half width.
 _PEAK_HALF_WIDTH_IN_BINS = 2.5
-# Number of positions per bin at which the first harmonic is searched for.
 _SEARCH_POSITIONS_PER_BIN = 16
-# The spectrum without harmonics is estimated from this quantile of the densities between two harmonics.
-# A low quantile leaves out the peaks of harmonics, including aliased harmonics.
+# A low quantile of the densities between two harmonics leaves out aliased harmonics.
 _BACKGROUND_DENSITY_QUANTILE = 0.3
 
 
@@ -49,7 +40,7 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
     padded_density = np.concatenate([[0.0], density])
     is_rising, is_falling = density[1:] > density[:-1], density[:-1] >= density[1:]
     peaks = 1 + np.flatnonzero(np.r_[True, is_rising] & np.r_[is_falling, True])
-    peaks = peaks[(peaks > _MIN_FIRST_HARMONIC_BIN) & (peaks * (1 + _MIN_SIGNIFICANT_HARMONICS) <= nyquist_bin)]
+    peaks = peaks[(peaks > _MIN_FIRST_HARMONIC_BIN) & (peaks * (1 + _MIN_SIGNIFICANT_HIGHER_HARMONICS) <= nyquist_bin)]
     # The first harmonic usually contributes most to the slope variance, so the largest contributions are tested first.
     peak_order = np.argsort(-padded_density[peaks] * np.square(peaks))[:_MAX_TESTED_PEAKS]
     best_score, best_harmonics = 0.0, (math.nan, math.nan)
@@ -66,7 +57,7 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
             density_ratio = padded_density[np.minimum(harmonic_bins, nyquist_bin)] / background
             scores = np.log(np.maximum(density_ratio, 1.0)).sum(axis=1)
             is_significant = density_ratio[int(np.argmax(scores))] > _MIN_HARMONIC_RATIO
-            min_significant = max(_MIN_SIGNIFICANT_HARMONICS, is_significant.size // 3 + 1)
+            min_significant = max(_MIN_SIGNIFICANT_HIGHER_HARMONICS, is_significant.size // 3 + 1)
             if is_significant[0] and is_significant[1:].sum() >= min_significant and scores.max() > best_score:
                 best_score = float(scores.max())
                 first_harmonic = float(first_harmonics[scores == scores.max()].mean())

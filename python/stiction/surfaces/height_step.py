@@ -7,21 +7,15 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 
-# Second differences of the heights count as equal if they differ by at most this fraction of the height range.
-# The tolerance for equal second differences exceeds the round-off of levelling and of single-precision heights.
+# This tolerance, a fraction of the height range, exceeds the round-off of levelling and of single-precision heights.
 _EQUAL_DIFFERENCE_TOLERANCE = 1e-6
-# Minimum number of occurrences of a second difference that is attributed to rounding.
-_MIN_REPETITIONS = 5
-# If heights are rounded, at least this fraction of the second differences occurs repeatedly.
+_MIN_REPETITIONS_OF_ROUNDED_DIFFERENCE = 5
 _MIN_FRACTION_OF_REPEATED_DIFFERENCES = 0.5
-# Heights count as rounded only if at least this fraction of the second differences are multiples of a rounding step.
-# The ratio of a multiple to the rounding step may deviate from an integer by at most `_MULTIPLE_TOLERANCE`.
-_MIN_FRACTION_OF_MULTIPLES, _MULTIPLE_TOLERANCE = 0.9, 0.05
-# Minimum fraction of multiples of the rounding step among the second differences that are not zero.
-# A difference of 0, as in a clipped map, is a multiple of any step, so it is no evidence of rounding.
-# Without rounding, 10 % of the second differences are close enough to a multiple of the step by chance.
+_MIN_FRACTION_OF_MULTIPLES, _MULTIPLE_TOLERANCE_IN_STEPS = 0.9, 0.05
+# A difference of 0, as in a clipped map, is a multiple of any rounding step, and 10 % of other differences are
+# multiples by chance.
 _MIN_FRACTION_OF_NONZERO_MULTIPLES = 0.5
-# Largest rounding step, as a fraction of the height range. Rounded heights must have at least four levels.
+# Rounded heights must have at least four levels.
 _MAX_STEP_TO_HEIGHT_RANGE_RATIO = 1 / 3 + 1e-6
 
 
@@ -55,7 +49,7 @@ def find_height_step(heights: Floats) -> float:
         return 0.0
     differences = np.concatenate([_compute_centred_second_differences(heights, axis) for axis in range(heights.ndim)])
     whole_numbers, repetition_counts = _count_whole_numbers(np.rint(differences / tolerance))
-    is_repeated = repetition_counts >= _MIN_REPETITIONS
+    is_repeated = repetition_counts >= _MIN_REPETITIONS_OF_ROUNDED_DIFFERENCE
     if repetition_counts[is_repeated].sum() <= _MIN_FRACTION_OF_REPEATED_DIFFERENCES * differences.size:
         return 0.0
     positive_numbers, negative_numbers = (
@@ -72,10 +66,10 @@ def find_height_step(heights: Floats) -> float:
     if step > _MAX_STEP_TO_HEIGHT_RANGE_RATIO * tolerance / _EQUAL_DIFFERENCE_TOLERANCE:
         return 0.0
     multiples = differences / step
-    is_multiple = np.abs(multiples - np.rint(multiples)) <= _MULTIPLE_TOLERANCE
+    is_multiple = np.abs(multiples - np.rint(multiples)) <= _MULTIPLE_TOLERANCE_IN_STEPS
     is_rounded = (
         is_multiple.mean() >= _MIN_FRACTION_OF_MULTIPLES
-        and is_multiple[np.abs(multiples) > _MULTIPLE_TOLERANCE].mean() >= _MIN_FRACTION_OF_NONZERO_MULTIPLES
+        and is_multiple[np.abs(multiples) > _MULTIPLE_TOLERANCE_IN_STEPS].mean() >= _MIN_FRACTION_OF_NONZERO_MULTIPLES
     )
     return step if is_rounded else 0.0
 

@@ -23,7 +23,6 @@ from stiction.surfaces.scale import (
 from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, surface_spectrum
 from stiction.surfaces.surface import Surface
 
-# Longest wavelength (points) of the spectrum to which hidden noise is fitted.
 MAX_FITTED_WAVELENGTH_POINTS = 16.0
 _BINS_PER_OCTAVE = 8
 _MIN_FIT_BINS = 8
@@ -31,8 +30,8 @@ _MIN_FIT_BINS = 8
 _RELATIVE_MODEL_ERROR = 0.1
 # Spectral exponents of the lines of self-affine surfaces with the Hurst exponents 0 and 2.
 _LINE_SPECTRUM_EXPONENT_RANGE = (1.0, 5.0)
-# Maximum ratio of the noise density fitted to a map to the median density of the map at short wavelengths.
-# Wavelengths below four points along both axes count as short.
+# The fitted noise may have at most this multiple of the median density at wavelengths below four points along both
+# axes.
 _MAX_FITTED_NOISE_RATIO = 2.0
 
 

@@ -20,16 +20,13 @@ from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, areal_spectrum, is_
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_body
 
 _NUM_NEWTON_STEPS, _NUM_BISECTION_STEPS = 50, 30
-# A Hurst exponent is useful if its 95 % interval is at most this wide.
 MAX_HURST_INTERVAL_WIDTH = 0.5
-# Minimum number of harmonics in a wavelength band to which a Hurst exponent is fitted.
 MIN_BAND_HARMONICS = 8
 _NO_SELF_AFFINE_BAND_MESSAGE = (
     "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
 )
 # After subtracting a straight line, heights below this fraction of their original magnitude are round-off.
 _TREND_ROUND_OFF = 1e-13
-# Number of lowest harmonics that are excluded after a Hann window.
 # A Hann window adds power from the mean and from longer wavelengths to the lowest harmonics.
 _NUM_EXCLUDED_HARMONICS = 2
 
@@ -37,19 +34,14 @@ _NUM_EXCLUDED_HARMONICS = 2
 _CHI_SQUARED_QUANTILE_95 = 3.841
 _BINS_PER_DECADE = 12
 _MIN_BINS_PER_PIECE = 4
-# Assumed relative deviation of the true spectrum from a power law in each bin.
-# Every measured spectrum deviates from a power law by at least 10 %.
+# Every measured spectrum deviates from a power law by at least 10 % in each bin.
 _RELATIVE_MODEL_ERROR = 0.1
-# Minimum increase of the log-likelihood for which a spectrum is divided into one more piece with its own power law.
-# The increase must be large, because each power law has three parameters and can begin at any of about 50 bins.
+# This penalty is large, because the power law of each piece has three parameters and can begin at any of about 50 bins.
 _SPECTRUM_PIECE_PENALTY = 10.0
-# Maximum deviance per bin of a piece of a spectrum from its fitted power law.
-# Random scatter causes a deviance of about 1 per bin.
-# A piece with a larger deviance is rejected, because the piece consists of separate peaks.
+# Random scatter of a spectrum causes a deviance of about 1 per bin; separate peaks cause much larger deviances.
 _MAX_DEVIANCE_PER_BIN = 10.0
 # Minimum width of the fitted wave number band, in ln(q): about half a decade.
 _MIN_BAND_WIDTH = math.log(3)
-# Minimum increase of the log-likelihood for which a fit includes a roll-off as an additional parameter.
 _ROLL_OFF_PENALTY = 2.0
 
 
@@ -102,21 +94,20 @@ class PowerLawFit:
 def _fit_exponents(log_q: Floats, power: Floats) -> Floats:
     """Return the exponent s of the best-fitting power law P ∝ q^-s for each row of weighted spectral powers."""
     exponents = np.zeros(len(power))
-    # Indices of the spectra whose exponents have not converged yet.
-    open_rows = np.arange(len(power))
+    unconverged_rows = np.arange(len(power))
     # Newton's method converges, because the loss is a convex log-sum-exp function.
     for _ in range(_NUM_NEWTON_STEPS):
-        scaled_power = power * np.exp(exponents[open_rows, np.newaxis] * log_q)
+        scaled_power = power * np.exp(exponents[unconverged_rows, np.newaxis] * log_q)
         scaled_power /= scaled_power.sum(axis=-1, keepdims=True)
         # Array sums are used instead of BLAS dot products, whose round-off depends on the number of threads.
         gradient = (scaled_power * log_q).sum(axis=-1, keepdims=True)
         newton_step = gradient[:, 0] / (scaled_power * (log_q - gradient) ** 2).sum(axis=-1)
-        exponents[open_rows] -= np.clip(newton_step, -2.0, 2.0)
+        exponents[unconverged_rows] -= np.clip(newton_step, -2.0, 2.0)
         is_open = np.abs(newton_step) >= 1e-10
         if not is_open.any():
             break
         if not is_open.all():
-            open_rows, power, log_q = open_rows[is_open], power[is_open], log_q[is_open]
+            unconverged_rows, power, log_q = unconverged_rows[is_open], power[is_open], log_q[is_open]
     return exponents
 
 
@@ -504,7 +495,6 @@ def _fit_spectrum_pieces(
     starts, piece_ends = (index.astype(np.intp) for index in np.triu_indices(bins.log_q.size + 1, _MIN_BINS_PER_PIECE))
     exponents, losses = np.empty(starts.size), np.empty(starts.size)
     for bin_count in range(_MIN_BINS_PER_PIECE, bins.log_q.size + 1):
-        # All pieces with the same number of bins are fitted together, in the order of their first bins.
         pieces = piece_ends - starts == bin_count
         window_rows = (sliding_window_view(values, bin_count) for values in (bins.log_q, bins.power, weight))
         exponents[pieces], losses[pieces] = _fit_power_laws(*window_rows)

@@ -17,13 +17,10 @@ from stiction.surfaces.spectrum import surface_spectrum
 from stiction.surfaces.surface import Surface, as_body, parse_lengths, parse_shape
 from stiction.surfaces.surrogates import gaussian_heights, isotropic_spectrum
 
-# Shortest wavelength, in points, that a joined spectrum takes from a scan.
 # At a wavelength of eight points, averaging over a pixel removes 5 % of the power.
 MIN_POINTS_PER_WAVELENGTH = 8
-# Longest wavelength that a joined spectrum takes from a scan, as a fraction of the shortest side.
-# At longer wavelengths, the spectrum depends on the window function.
+# At longer wavelengths, the spectrum of a scan depends on the window function.
 MAX_WAVELENGTH_TO_SIDE = 1 / 3
-# Number of wave vectors that together give one independent value of the spectral density.
 # Opposite wave vectors have equal densities, and the window correlates neighbouring wave vectors.
 _WAVE_VECTORS_PER_INDEPENDENT_VALUE = 4.0
 
@@ -267,7 +264,6 @@ def joined_spectrum(
     total_count = count.sum(axis=0)
     q = 10 ** ((first_bin + np.arange(bin_count) + 0.5) / per_decade)
     is_occupied = total_count > 0
-    # In gaps between the wavelengths of two scans, ln(density) is interpolated linearly in ln(wave number).
     density = np.exp(
         np.interp(
             np.log(q),

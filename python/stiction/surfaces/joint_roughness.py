@@ -15,7 +15,6 @@ from stiction._checks import Floats
 
 # Sampling interval (µm) at which the published relation between Z2 and JRC was fitted.
 SAMPLING_INTERVAL = 1270.0
-# The joint roughness coefficient is computed only if the sampling interval is within this fraction of 1.27 mm.
 MAX_SAMPLING_INTERVAL_DEVIATION = 0.2
 # Range of Z2 in which the published relation between Z2 and JRC was fitted.
 MIN_Z2, MAX_Z2 = 0.1, 0.42

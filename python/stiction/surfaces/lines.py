@@ -16,15 +16,13 @@ from stiction.surfaces.roughness import roughness_parameters
 from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, is_within_wavelength_band, power_spectrum
 from stiction.surfaces.surface import Surface, as_body, reject_flat_body
 
-# Maximum number of lines per map and direction for which Hurst exponents are fitted.
-# More lines add little information, because neighbouring lines are correlated.
+# More lines add little information, because neighbouring lines of a map are correlated.
 MAX_FITTED_LINES = 64
 _BOTH_AXES: tuple[LineOrientation, LineOrientation] = ("x", "y")
-# A power law is accepted if the spectral density deviates from it by at most this factor (rms of ln(density)).
+# Maximum rms deviation of ln(density) from an accepted power law is the logarithm of this factor.
 MAX_POWER_LAW_MISFIT = 1.5
-# Two wavelength bands count as equal if both limits of the bands (shortest, longest) differ by less than this factor.
-_MAX_EQUAL_BAND_RATIO = 1.5
-# Assumed variance of ln(density) in a bin due to deviations of the spectrum from a power law, without random scatter.
+_MAX_RATIO_OF_EQUAL_BAND_LIMITS = 1.5
+# Variance of ln(density) in a bin due to deviations of a spectrum from a power law, without random scatter.
 _LOG_MODEL_VARIANCE = 0.04
 _MIN_LINE_POINTS = 7
 
@@ -205,7 +203,7 @@ def lines_along_both(
         return along_x, along_y
     if along_x.band is not None and along_y.band is not None:
         band_ends = np.array([along_x.band, along_y.band])
-        if (band_ends.max(axis=0) < _MAX_EQUAL_BAND_RATIO * band_ends.min(axis=0)).all():
+        if (band_ends.max(axis=0) < _MAX_RATIO_OF_EQUAL_BAND_LIMITS * band_ends.min(axis=0)).all():
             if along_x.band != along_y.band:
                 shortest_wavelength, longest_wavelength = np.sqrt(band_ends.prod(axis=0)).tolist()
                 along_x, along_y = (

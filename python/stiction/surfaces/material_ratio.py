@@ -11,7 +11,6 @@ from stiction._checks import Floats, float_array
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface, as_body
 
-# Width of the core of a material ratio curve, as a fraction of all points.
 CORE_FRACTION = 0.4
 # Material ratios at which ISO 25178-3 by default separates peaks, core and valleys.
 PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO = 0.1, 0.8

@@ -22,34 +22,30 @@ MIN_OUTLIER_SIGMAS = 6.0
 
 The robust standard deviation is 1.4826 times the median absolute deviation.
 """
-# Smallest deviation of an outlier from its neighbours, in median absolute deviations.
+# The standard deviation of normally distributed heights is 1.4826 median absolute deviations.
 _MIN_OUTLIER_TO_MEDIAN_DEVIATION_RATIO = MIN_OUTLIER_SIGMAS * 1.4826
-# Maximum number of adjacent outliers. More adjacent points are a feature of the surface.
+# A larger group of adjacent points is a feature of the surface.
 MAX_OUTLIER_GROUP_SIZE = 4
 
-# Median deviation of rounded heights from their neighbours, as a fraction of the rounding step.
-# For rounded heights, the median deviation from a mean of neighbours is 0.25 steps.
-# The median deviation from a line through neighbours is 0.21 to 0.33 steps.
+# In rounding steps, the median deviation of rounded heights is 0.25 from a mean of neighbours, and 0.21 to 0.33 from a
+# line through neighbours.
 _MEDIAN_ROUNDING_DEVIATION = 0.25
 # Round-off of heights after a form was subtracted, as a fraction of the height range.
 _FORM_ROUND_OFF_FRACTION = 1e-10
 # A scan has flat regions if at least this fraction of its heights is within a rounding step of the neighbours.
 _MAX_FLAT_FRACTION = 0.25
-# Flat regions count as clipped or filled if at least this fraction of all points is rough.
 _MIN_ROUGH_FRACTION = 0.02
 
-# Width (points) of the window of local medians, by the number of dimensions: 1 for profiles, 2 for maps.
+# Width (points) of the window of local medians in profiles (1) and maps (2).
 _WINDOW_WIDTHS = {1: 31, 2: 7}
-# Minimum number of neighbour means from which the height of a point is estimated.
-# The median of three means is correct even if an outlier affects one of the means.
+# The median of three means of neighbours is correct even if an outlier affects one of the means.
 _MIN_NEIGHBOUR_ESTIMATES = 3
-# By chance, an outlier of a map may lie near this number of lines through two neighbours, but not more.
-# Each point of a map is compared with at least five lines through two neighbours.
+# An outlier of a map, compared with at least five lines through two neighbours, may lie near this number of lines by
+# chance.
 _MAX_LINES_NEAR_OUTLIER = 2
 _MAX_OUTLIER_PASSES = 8
-# Steps (points) from a point to its neighbours, by the number of dimensions: 1 for profiles, 2 for maps.
+# Index offsets from a point to its neighbours in profiles (1) and maps (2).
 _NEIGHBOUR_STEPS: dict[int, list[tuple[int, ...]]] = {1: [(1,), (2,), (3,), (4,)], 2: [(0, 1), (1, 0), (1, 1), (1, -1)]}
-# Maximum number of points of a strip of rows for which deviations from neighbours are computed together.
 _MAX_STRIP_POINTS = 16_384
 _MAX_WINDOWS_PER_BATCH = 100_000
 # Minimum number of points in a group (edge points, or rough points near flat regions) with its own median deviation.

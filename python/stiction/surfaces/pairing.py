@@ -30,7 +30,7 @@ from stiction.surfaces.profile import LineOrientation, Profile, Side, select_fro
 from stiction.surfaces.surface import Surface, as_body
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
-# Default number of line pairs, with which a result with interval takes one or two seconds to compute.
+# A result with its interval takes one or two seconds to compute for this number of line pairs.
 DEFAULT_NUM_LINE_PAIRS = 128
 # The largest shift is the map length divided by this number, so that three quarters of two maps always overlap.
 MAX_SHIFT_DIVISOR = 4
@@ -39,9 +39,8 @@ MAX_SURROGATE_SIDE_POINTS = 512
 SurrogateBodies = Literal["none", "upper", "lower", "both"]
 SIDES: tuple[Side, Side] = ("upper", "lower")
 _GOLDEN_RATIO = (5**0.5 - 1) / 2
-# Constant of two-dimensional quasi-random sequences: the real root of x^3 = x + 1.
+# Constants of two- and four-dimensional quasi-random sequences: the real roots of x^3 = x + 1 and of x^5 = x + 1.
 _PLASTIC_NUMBER = 1.324717957244746
-# Constant of four-dimensional quasi-random sequences: the real root of x^5 = x + 1.
 _QUINTIC_ROOT = 1.1673039782614187
 GRID_POINTS_PER_WAVELENGTH = 4
 
@@ -280,7 +279,6 @@ class MapPairs:
     # Map of the upper body after flipping: heights are positive upwards, which is the direction into the body.
     upper: Surface
     lower: Surface
-    # Trend that is subtracted from each piece of a map.
     level: SurfaceTrend = "plane"
     seed: int = 2016
     # Shifts (x, y) of the upper map (µm) that replace the default shifts.
@@ -463,7 +461,6 @@ class IsotropicSurfacePairs(SquarePiecePairs):
 
     upper: Profile
     lower: Profile
-    # Trend that is subtracted from each surrogate map.
     level: SurfaceTrend = "plane"
     seed: int = 2016
 
@@ -514,10 +511,9 @@ class SurfacePairsFromSpectra(SquarePiecePairs):
     The spacing is a quarter of the shortest wavelength, so a longer cutoff wavelength gives a larger surface.
     """
 
-    # Spectrum of the upper body. Flipping the body does not change the spectrum.
+    # Flipping the upper body does not change its spectrum.
     upper: JoinedSpectrum
     lower: JoinedSpectrum
-    # Trend that is subtracted from each generated surface.
     level: SurfaceTrend = "plane"
     seed: int = 2016
     # Cutoff wavelengths (µm) of the upper and the lower body, or 0 for an unfiltered body.

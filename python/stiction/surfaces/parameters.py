@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 from stiction._repr import TextReprMixin, format_number_and_unit, table_html
 
-# Value of the field `levelled` if the heights are not levelled.
 NOT_LEVELLED_VALUE = "no"
 
 

@@ -20,10 +20,8 @@ ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic"
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
 # Section of the longer body that is kept if two bodies differ in length: the start or the middle.
 GridAlignment = Literal["start", "middle"]
-# A position is regarded as a grid point if its distance from the point is below this fraction of the spacing.
-# The tolerance allows for round-off: 0.3 µm is point 3 of a grid with a spacing of 0.1 µm.
+# A fraction of the spacing that allows for round-off: 0.3 µm is point 3 of a grid with a spacing of 0.1 µm.
 GRID_POSITION_TOLERANCE = 1e-9
-# A levelled body counts as flat if its largest height is below this fraction of the original largest height.
 LEVELLING_ROUND_OFF = 1e-14
 _TREND_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5, "sextic": 6}
 _DEGREE_ORDINALS = {2: "second", 3: "third", 4: "fourth", 5: "fifth", 6: "sixth"}

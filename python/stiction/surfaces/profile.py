@@ -26,11 +26,11 @@ AmplitudeMeasure = Literal["height", "Ra", "Rq"]
 Side = Literal["lower", "upper"]
 # Orientation of lines in a surface: "x" for rows, "y" for columns.
 LineOrientation = Literal["x", "y"]
-# Maximum number of points of a generated body, whose heights then take 0.8 GB of memory.
+# The heights of a generated body of this size take 0.8 GB of memory.
 MAX_POINTS = 100_000_000
 # Smallest and largest spacing (µm) for which the powers of slopes and curvatures do not overflow.
 MIN_ACCEPTED_SPACING, MAX_ACCEPTED_SPACING = 1e-30, 1e30
-# Minimum number of points of a profile, for a natural cubic spline with two interior points.
+# A natural cubic spline needs two interior points.
 MIN_POINTS = 4
 
 

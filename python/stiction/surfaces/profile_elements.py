@@ -26,7 +26,6 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
     sign[heights < -DISCRIMINATION_FRACTION * pit] = -1
     counted_points = np.flatnonzero(sign)
     sign_changes = np.flatnonzero(np.diff(sign[counted_points]))
-    # At each change of sign: last point of a hill or dale, and first point of the next hill or dale.
     last_points, next_points = counted_points[sign_changes], counted_points[sign_changes + 1]
     is_above = heights > 0
     crossings = np.flatnonzero(is_above[:-1] != is_above[1:])

@@ -22,23 +22,17 @@ MAX_ROTATION = 3.0  # degrees
 ROTATION_STEP = 0.5  # degrees
 # A shift that differs from whole points by less than this fraction of a point is rounded.
 GRID_TOLERANCE = 0.02
-# Two faces match only if their slope correlation at every other shift is below this fraction of the best correlation.
 MAX_SECOND_CORRELATION_RATIO = 0.7
-# Minimum overlap of two faces along each axis, relative to the length of the shorter face.
 MIN_OVERLAP_FRACTION = 0.5
-# Minimum number of points along each axis of coarsened faces whose slopes are correlated.
-# The key is the number of dimensions: 1 for profiles, 2 for maps.
+# Limits of the number of points along each axis of coarsened faces, for profiles (1) and maps (2).
 _MIN_COARSE_POINTS = {1: 64, 2: 16}
-# Maximum number of points along each axis of coarsened faces in the search for the best relative position.
-# The key is the number of dimensions: 1 for profiles, 2 for maps.
 _MAX_COARSE_POINTS = {1: 2048, 2: 128}
 _MAX_REFINEMENTS = 20
 # Fractions of a Gauss-Newton step that are tried in this order until the rms gap decreases.
 _GAUSS_NEWTON_STEP_FRACTIONS = (1.0, 0.5, 0.25)
 # The registration has converged if a step moves no corner of the upper face by more than this distance (points).
 _CONVERGENCE_DISTANCE = 1e-4
-# Half width of the correlation peak of two faces, as a fraction of their length.
-_CORRELATION_PEAK_HALF_WIDTH = 0.05
+_CORRELATION_PEAK_HALF_WIDTH_FRACTION = 0.05
 
 
 @dataclass(frozen=True)
@@ -122,7 +116,7 @@ def measure_fit(upper: Any, lower: Any) -> float:
         np.minimum(difference := np.abs(np.arange(count) - index), count - difference)
         for count, index in zip(correlations.shape, best_index, strict=True)
     ]
-    widths = [max(2.0, _CORRELATION_PEAK_HALF_WIDTH * count / factor) for count in shape]
+    widths = [max(2.0, _CORRELATION_PEAK_HALF_WIDTH_FRACTION * count / factor) for count in shape]
     peak_points = np.ix_(
         *(np.flatnonzero(distance <= width) for distance, width in zip(distances, widths, strict=True))
     )

@@ -24,22 +24,18 @@ from stiction.surfaces.surface import Surface, as_body
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Minimum height range (µm) of a scan. Powers of smaller heights underflow.
+# The powers of smaller heights (µm) underflow.
 MIN_HEIGHT_RANGE = 1e-70
-# Two scans are regarded as scans of the same area if their heights have at least this correlation.
 MIN_CORRELATION = 0.5
-# Standard deviations (points) of the Gaussian filters with which both scans are smoothed in successive alignment steps.
+# Standard deviations (points) of the Gaussian filters of successive alignment steps.
 _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
-# Number of Gauss-Newton steps with each Gaussian filter in the alignment of two scans.
-_NUM_REFINEMENT_STEPS = 4
-# After a Gaussian filter with a standard deviation of one point, neighbouring heights of white noise are correlated.
-# Heights of the filtered noise count as independent at this distance (points).
+_NUM_STEPS_PER_SMOOTHING_WIDTH = 4
+# After a Gaussian filter with a deviation of one point, white noise counts as independent at this distance (points).
 _POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
-# Number of points that spline interpolation requires beyond the overlap of two scans.
+# Spline interpolation requires this number of points beyond the overlap of two scans.
 _OVERLAP_MARGIN_POINTS = 3
 _NUM_TRIAL_CUTOFFS = 400
-# A shift is regarded as a whole number of points if it differs from a whole number by less than this distance (points).
-_INTEGER_SHIFT_TOLERANCE = 1e-4
+_INTEGER_SHIFT_TOLERANCE_POINTS = 1e-4
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -291,7 +287,7 @@ def _find_shift(a: Floats, b: Floats) -> Floats:
             for scan_heights in (a, b)
         )
         smoothed_second = spline_filter(smoothed_second, 3)
-        for _ in range(_NUM_REFINEMENT_STEPS):
+        for _ in range(_NUM_STEPS_PER_SMOOTHING_WIDTH):
             overlap, positions = _slice_overlap(a.shape, b.shape, shift)
             second_heights = map_coordinates(
                 smoothed_second, np.meshgrid(*positions, indexing="ij"), order=3, prefilter=False
@@ -317,7 +313,7 @@ def _find_shift(a: Floats, b: Floats) -> Floats:
 
 def _is_integer_shift(shift: Floats) -> bool:
     """Return whether a shift is a whole number of points along each axis, within a tolerance."""
-    return bool(np.abs(shift - np.round(shift)).max() < _INTEGER_SHIFT_TOLERANCE)
+    return bool(np.abs(shift - np.round(shift)).max() < _INTEGER_SHIFT_TOLERANCE_POINTS)
 
 
 def _resample_at_shift(a: Floats, b: Floats, shift: Floats) -> tuple[Floats, Floats]:

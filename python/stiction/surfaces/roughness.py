@@ -336,7 +336,7 @@ def _compute_developed_area_ratio(heights: Floats, spacing: tuple[float, float])
     """Return the developed area of a height map divided by its projected area, minus 1."""
     area_sum = 0.0
     corner_heights = heights[:-1, :-1], heights[:-1, 1:], heights[1:, :-1], heights[1:, 1:]
-    # Each cell of four points contains four triangles. The sides of a triangle along x and y give its slope.
+    # Each cell of four points contains four triangles, whose sides along x and y give their slopes.
     for height_change_x in (corner_heights[1] - corner_heights[0], corner_heights[3] - corner_heights[2]):
         for height_change_y in (corner_heights[2] - corner_heights[0], corner_heights[3] - corner_heights[1]):
             squared_gradient = np.square(height_change_x / spacing[1]) + np.square(height_change_y / spacing[0])
@@ -355,7 +355,6 @@ def _find_decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tupl
     max_shift = [points // 2 for points in deviation.shape]
     # Half of the directions are enough, because the autocorrelation is equal in opposite directions.
     angle = math.pi * np.arange(_NUM_DIRECTIONS) / _NUM_DIRECTIONS
-    # The decay is searched for in steps of half the smaller grid spacing, up to half the side length along each axis.
     points_per_length = np.abs(np.stack([np.sin(angle) / spacing[0], np.cos(angle) / spacing[1]]))
     with np.errstate(divide="ignore"):
         max_distance = np.min(np.array(max_shift)[:, np.newaxis] / points_per_length, axis=0)

@@ -29,46 +29,39 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_bo
 MAX_CURVATURE_TIMES_TIP_RADIUS = 0.1
 _ROUGHNESS_BINS_PER_DECADE = 48
 _NOISE_BINS_PER_OCTAVE = 8
-# Widths (octaves) of the windows in which the exponent of a spectrum is fitted.
 _FIT_WINDOW_WIDTHS_IN_OCTAVES = (1.0, 2.0)
-# A spectrum contains noise if it falls more slowly with the wave number than the spectrum of a surface with H = 0.
-# The exponent of the spectrum must differ from the exponent for H = 0 by at least this number of standard deviations.
+# A spectrum contains noise if its exponent is at least this number of standard deviations smaller than for a surface
+# with H = 0.
 _MIN_EXPONENT_DIFFERENCE_IN_STANDARD_DEVIATIONS = 3.0
-# A hump in the spectrum is attributed to the instrument if its wavelength (points) is at most this limit.
 _MAX_HUMP_WAVELENGTH_POINTS = 24.0
-# Wavelengths are reliable if their spectral density is at least this multiple of the density where noise dominates.
 _MIN_DENSITY_TO_NOISE_RATIO = 4.0
-# A spectrum counts as rising if its density exceeds the lowest density at longer wavelengths by this factor.
-# Spectra of real surfaces never rise by this factor or more.
+# Spectra of real surfaces never rise by this factor above the lowest density at longer wavelengths.
 _MIN_DENSITY_RATIO_OF_RISE = 3.0
 # Noise is negligible if it contributes at most this fraction of the mean square slope of a scan.
 MAX_NEGLIGIBLE_NOISE_FRACTION = 0.1
-# Ratio of a filter's cutoff to the wavelength that the filter must remove.
-# At a ratio of 1.9, a Gaussian filter transmits 8 % of the amplitude.
+# With this ratio, a Gaussian filter transmits 8 % of the amplitude at the removed wavelength.
 CUTOFF_TO_REMOVED_WAVELENGTH_RATIO = 1.9
 # Fraction of the mean square slope below which a contribution counts as round-off.
 _MIN_SLOPE_FRACTION = 1e-4
-# Minimum spectral exponent of a rough surface in the shortest octave of a scan, where aliasing flattens spectra.
+# In the shortest octave of a scan, aliasing flattens the spectrum of a rough surface.
 _MIN_ALIASED_SURFACE_EXPONENT = 0.6
-# A spectrum with texture harmonics counts as free of noise if its density falls with at least this exponent.
-# In 1080 generated profiles of turned surfaces (feeds of 15 to 500 points), the limit saves 14 of 22 false detections.
+# In 1080 generated profiles of turned surfaces (feeds of 15 to 500 points), this limit saves 14 of 22 false detections
+# of noise.
 _MIN_TEXTURED_SURFACE_EXPONENT = 0.8
 # Heights are regarded as quantised if rounding explains at least this fraction of the mean square second difference.
 _MIN_QUANTISATION_FRACTION = 0.3
 # Maximum absolute spectral exponent of a flat spectrum, and maximum rms deviation of ln(density) from its mean.
 _MAX_FLAT_EXPONENT = 0.35
-# Maximum absolute spectral exponent of a noise floor to which the surface also contributes.
+# A noise floor may be steeper than a flat spectrum, because the surface contributes to its longer wavelengths.
 _MAX_FLOOR_EXPONENT = 0.7
 # Wavelengths below this fraction of the noise limit contain only noise.
 _PURE_NOISE_WAVELENGTH_FRACTION = 0.7
-# Kinds of noise that are always attributed to the instrument, and never to the surface.
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
-# Noise densities along x and y are regarded as equal up to this ratio.
 _MAX_EQUAL_NOISE_RATIO = 2.0
-# A spectrum can hide noise if its density is at least this fraction of the noise density.
-# The fraction is below 1 to allow for random scatter of the spectrum.
+# A spectrum can hide noise of a slightly higher density, because of random scatter.
 _MIN_HIDING_DENSITY_RATIO = 0.8
-# Noise along one axis can be hidden along the other axis only if at least this number of lines is independent.
+# With fewer independent lines, neighbouring lines share their noise, like rows with offsets, so the other axis does not
+# hide this noise.
 _MIN_INDEPENDENT_LINES = 8.0
 # Shortest wavelength to which spectra are extrapolated, divided by the shortest wavelength of the scan.
 _MIN_EXTRAPOLATION_RATIO = 1e-6
@@ -485,7 +478,6 @@ def instrument_limit(
         noise_kind = "quantisation"
     noise_wavelength = round_up_wavelength(noise_wavelength) if noise_wavelength > 0 else noise_wavelength
     limits_by_reason = {"pixels": 2 * spacing, noise_kind: noise_wavelength, "tip": math.nan}
-    # The scale-dependent roughness is computed only if noise or the tip may limit the reliable wavelengths.
     roughness = None
     if radius is not None or noise_wavelength > 0:
         roughness = scale_dependent_roughness(body, periodic=periodic)
@@ -629,7 +621,6 @@ class _NoiseAndTexture(NamedTuple):
     # Longest wavelength (µm) that noise affects, or NaN without noise.
     wavelength_limit: float
     noise_kind: str
-    # Contribution of noise to the mean square slope of the profile or map lines.
     mean_square_slope: float
     # Wavelength (µm) of a periodic texture, or NaN without a texture.
     period: float
@@ -644,7 +635,7 @@ def _find_noise_and_texture(
     if first_harmonic > 0:
         if harmonic_distance < MIN_HARMONIC_DISTANCE:
             return _NoiseAndTexture(math.nan, "noise floor", 0.0, period)
-        # Noise is searched for above the first harmonic. Near the first harmonic, cusps of unequal depth cause a hump.
+        # Near the first harmonic, cusps of unequal depth cause a hump, so noise is searched for above this harmonic.
         above_first_harmonic = slice(int(first_harmonic), None)
         density_with_harmonics = density[above_first_harmonic]
         density, q, count = (
@@ -831,6 +822,6 @@ def _find_bin_before_rise(points: Floats, density: Floats, chance_variance: Floa
 def _is_quantised(body: Profile | Surface) -> bool:
     """Return whether rounding of the heights to a step explains a large fraction of a body's noise."""
     mean_square_second_difference = float(np.square(np.diff(body.heights, 2)).mean())
-    # Rounding the heights to steps of s adds white noise with the variance s²/12.
-    # The mean square second difference of white noise is six times its variance.
+    # Rounding heights to steps of s adds white noise of variance s²/12, whose mean square second difference is six
+    # times its variance.
     return body.height_step**2 / 2 > _MIN_QUANTISATION_FRACTION * mean_square_second_difference

@@ -40,13 +40,10 @@ MIN_SPIKE_TO_FLANK_RATIO = 2.0
 The flanks of a groove are high. The ratio is at most 1.7 for milled, turned and ground profiles.
 """
 _NUM_FLANK_POINTS = 4
-# Minimum height difference of two adjacent points of a wide spike, as a fraction of the spike's height.
 # In a Gaussian groove two points wide (at 1/e of the depth), adjacent points differ by up to 0.4 of the depth.
 _MIN_STEP_TO_SPIKE_HEIGHT_RATIO = 0.7
-# Minimum height of a wide spike and minimum depth of a dip, in multiples of the profile's rms height.
 _MIN_SPIKE_TO_RMS_RATIO = 2.0
 
-# A scan counts as flat if its height range without outliers is below this fraction of its whole height range.
 MIN_HEIGHT_RANGE_RATIO_WITHOUT_OUTLIERS = 1e-6
 
 MIN_LAY_SLOPE_RATIO = 2.0
@@ -54,10 +51,8 @@ MIN_LAY_SLOPE_RATIO = 2.0
 
 The ratio is at most 1.2 for isotropic maps with 64 x 64 points.
 """
-# Largest reported ratio of the rms slopes across and along the lay of a map.
 MAX_LAY_SLOPE_RATIO = 1000.0
 _NUM_DRIFT_STRIPS = 8
-# Minimum number of points per strip. A smaller scan is not checked for drift of its roughness.
 _MIN_STRIP_POINTS = 4
 MAX_LOG_SLOPE_DRIFT = math.log(4.0)
 """Largest reported drift of ln(rms slope). A linear fit overestimates the drift if the roughness changes abruptly."""
@@ -305,7 +300,6 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     if isinstance(body, Profile):
         typical_distances = np.abs(np.diff(body.heights, 2))
         # A spike may have several points, so the neighbours of a large second difference count as sharp, too.
-        # At both ends of a profile, the second difference is unknown and set to 0.
         distances = maximum_filter(np.pad(typical_distances, 1), 3)
         threshold, rounding_distance = MIN_SPIKE_SHARPNESS_RATIO, math.sqrt(6) * rounding_error
     else:

@@ -27,7 +27,6 @@ from stiction.surfaces.spectrum import ROUND_OFF_FACTOR
 from stiction.surfaces.surface import BodyLike, as_body, reject_flat_body
 
 DEFAULT_SECTION_COUNT = 5
-# Material ratios between which the height difference Rdc is measured.
 _RDC_MATERIAL_RATIOS = 0.2, 0.8
 
 
@@ -262,7 +261,7 @@ def _compute_with_setting_class(
                 f"{_format_length(section_lengths[matching_class])}; {remedy}"
             )
         index = next_class
-    # Two setting classes may each give results that require the other class. Neither class is then consistent.
+    # Two setting classes may each give results that require the other class, so that neither class is consistent.
     if matching_class != index:
         index = max(index, max(visited_classes & {index - 1, index, index + 1}))
     elif index - 1 in possible_classes and find_matching_setting_class(index - 1) == index - 1:

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 # Factor that allows for round-off when two lengths are compared.
 ROUND_OFF_FACTOR = 1 + 1e-9
 _PEAK_BINS_PER_DECADE = 24
-# The median spectral density beside a peak is computed from this number of bins on each side.
 _PEAK_WINDOW_BINS = 6
 
 HANN_VARIANCE_FACTOR = 35 / 18
@@ -97,7 +96,6 @@ class PowerSpectrum(PlotReprMixin):
 
 def _average_in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
     """Return mean wave number, mean density and number of harmonics of each bin of a spectrum."""
-    # The first bin starts at the first wave number.
     # The number 1e-9 keeps a harmonic at the lower limit of a bin in this bin despite round-off.
     _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
     total_count = np.bincount(index, count).astype(np.float64)

@@ -20,8 +20,7 @@ BodyLike = Any
 
 # Names of amplitudes in the C++ core, which processes the heights of a map in the same way as a profile.
 _CPP_MEASURE_NAMES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
-# Smallest height range (µm) of a body. The largest height range (µm) is 1 divided by this number.
-# The fourth powers of smaller heights underflow, and the fourth powers of larger heights overflow.
+# Fourth powers of smaller height ranges (µm) underflow, and fourth powers of ranges above the reciprocal overflow.
 _MIN_BODY_HEIGHT_RANGE = 1e-50
 
 

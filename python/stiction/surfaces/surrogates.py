@@ -12,17 +12,13 @@ from stiction.surfaces.profile import Profile, Side, reject_missing_points
 from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, reject_flat_body
 
-# Number of rings of wave vectors per decade. An empty ring is merged with the next ring.
 _RINGS_PER_DECADE = 12
-# Weight of the smoothness penalty. The penalty dominates in rings with fewer harmonics than this number.
+# The smoothness penalty dominates in rings with fewer harmonics than this number.
 _SMOOTHNESS_PENALTY = 2.0
-# Densities below this fraction of the largest density count as round-off.
-_ROUND_OFF_FRACTION = 1e-14
-# Maximum number of iterations in the fit of a surrogate's spectrum. About ten are usually enough.
+_DENSITY_ROUND_OFF_FRACTION = 1e-14
+# About ten iterations are usually enough to fit the spectrum of a surrogate.
 _MAX_SPECTRUM_FIT_STEPS = 1000
-# The fit of a surrogate's spectrum has converged if an iteration changes each ln(density) by less than this number.
-_CONVERGENCE_TOLERANCE = 1e-6
-# Default maximum number of rows and of columns of a surrogate.
+_LOG_DENSITY_TOLERANCE = 1e-6
 # The half-space solution of a map of 512 × 512 points takes some tenths of a second.
 _MAX_DEFAULT_SIDE_POINTS = 512
 
@@ -96,8 +92,8 @@ def surrogate(
     if periodic:
         amplitude = np.abs(np.fft.rfft(heights))
     else:
-        # The mirror image of the profile removes the jump between the ends, but adds intermediate harmonics.
-        # Half of the power of an added harmonic is assigned to each of the two neighbouring harmonics.
+        # The mirror image removes the jump between the ends of the profile, but adds harmonics, whose power is halved
+        # between both neighbours.
         mirrored_power = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
         mirrored_power = np.append(mirrored_power, mirrored_power[-2])
         harmonic_indices = 2 * np.arange(points // 2 + 1)
@@ -277,7 +273,7 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
     bin_index = np.minimum(bin_index, edges.size - 2)
     wave_count = np.bincount(bin_index, spectrum.count).astype(np.float64)
     measured_density = np.bincount(bin_index, spectrum.count * spectrum.density) / wave_count
-    measured_density = np.maximum(measured_density, _ROUND_OFF_FRACTION * measured_density.max())
+    measured_density = np.maximum(measured_density, _DENSITY_ROUND_OFF_FRACTION * measured_density.max())
     # Further rings cover the corners of the grid, where both wave numbers reach the Nyquist wave number.
     edges = np.append(edges, math.sqrt(2) * nyquist_wave_number * (1 + 1e-9))
     # Mean spectral density of a line in each bin, if the density of the surface is 1 in a single ring and 0 elsewhere.
@@ -328,9 +324,9 @@ def _fit_densities(response: Floats, measured_density: Floats, count: Floats, de
             gradient,
         )
         step *= min(1.0, 2 / np.abs(step).max())
-        while (current_cost := cost(log_density - step)) > lowest_cost and np.abs(step).max() > _CONVERGENCE_TOLERANCE:
+        while (current_cost := cost(log_density - step)) > lowest_cost and np.abs(step).max() > _LOG_DENSITY_TOLERANCE:
             step /= 2
-        if current_cost > lowest_cost or np.abs(step).max() <= _CONVERGENCE_TOLERANCE:
+        if current_cost > lowest_cost or np.abs(step).max() <= _LOG_DENSITY_TOLERANCE:
             break
         log_density, lowest_cost = log_density - step, current_cost
     return np.asarray(np.exp(log_density))

@@ -14,9 +14,9 @@ from stiction.surfaces.measured.raw import FormatError
 MAX_LINES, MAX_CELLS_PER_LINE = 25_000_000, 4_000_000
 """Largest number of lines in a text file, and largest number of cells in a line."""
 
-# The header of a known file layout is searched for in this number of lines, and of characters at the start of a line.
+# The header of a known file layout is searched for in this number of lines, and of characters at the start of each
+# line.
 MAX_FIRST_LINES, MAX_FIRST_LINE_LENGTH = 200, 1000
-# Number of characters per step when the lines of a text are classified.
 CHARACTERS_PER_STEP = 250_000
 _MAX_SHOWN_LENGTH = 60
 
@@ -154,8 +154,8 @@ class DecodedText:
             remainder, mark_count = self.missing_word_pattern.subn(b"", self.raw_line(line_number))
             is_numeric_row = mark_count and not remainder.translate(None, NUMERIC_CHARACTERS)
             kinds[line_number] = NUMBER_LINE_CODE if is_numeric_row else TEXT_LINE_CODE
-        # A line of asterisks or dashes between rows of numbers is a row of missing points.
-        # Other lines of asterisks or dashes separate sections of a text.
+        # A line of asterisks or dashes marks a row of missing points between rows of numbers, and a new section
+        # elsewhere.
         nonblank_lines = np.flatnonzero(kinds != BLANK_LINE_CODE)
         is_ruler = (kinds[nonblank_lines] == TEXT_LINE_CODE) & (
             bits[nonblank_lines] & (_NON_NUMBER_CHARACTER_BIT | _DIGIT_BIT) == 0

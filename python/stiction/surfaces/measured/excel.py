@@ -16,11 +16,10 @@ from stiction.surfaces.measured.layouts import WORKBOOK_LAYOUTS
 from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, ColumnTable, FormatError, HeightChannels, read_member_chunks
 from stiction.surfaces.measured.sheet_table import _find_numeric_columns, parse_sheet
 
-# Maximum number of XML tags in a workbook. A height takes four tags, so a workbook may have 2.5 million heights.
+# A height takes four XML tags, so a workbook may have 2.5 million heights.
 MAX_WORKBOOK_TAGS = 10_000_000
-# Maximum number of XML tags in a row of a sheet, to limit the memory. Each of the possible columns may have eight tags.
+# Each of the 16 384 possible columns may have eight XML tags; the limit bounds the memory.
 MAX_TAGS_PER_ROW = 8 * 16_384
-# Text that replaces a formula whose result is not stored in the workbook.
 _UNEVALUATED_FORMULA_TEXT = "unevaluated formula"
 _UNEVALUATED_FORMULA_PATTERN = re.compile(
     rb"</(?:\w+:)?f>\s*(?:<(?:\w+:)?v\s*(?:/>|>\s*</(?:\w+:)?v>)\s*)?</(?:\w+:)?c>"

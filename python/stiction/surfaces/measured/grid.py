@@ -16,8 +16,8 @@ MAX_GRID_OFFSET = 0.05
 MAX_NODES_PER_POINT = 4
 # Minimum grid step of rounded positions, in units of the last printed digit.
 MIN_STEP_OF_ROUNDED_POSITIONS = 2.0
-# Largest distance between rounded positions and a grid, in units of the last printed digit.
-# Rounding displaces positions by up to 1 unit, and the error of the fitted grid step adds 0.2 units.
+# In units of the last printed digit, rounding displaces positions by up to 1, and the error of the fitted step adds
+# 0.2.
 MAX_SCATTER_DIGITS = 1.2
 # The smallest gap between grid points must be at least this many times the largest gap that rounding causes.
 MIN_GRID_GAP_RATIO = 4.0

@@ -22,7 +22,6 @@ from stiction.surfaces.measured.spacing_lines import (
 )
 from stiction.surfaces.measured.split import Dialect
 
-# Characters with which various programs start comment lines.
 COMMENT_CHARACTERS = "#%!/ "
 
 _FACTOR_PATTERN = (
@@ -106,7 +105,6 @@ _POWER_OF_TEN_PATTERN = r"(?:[×x*·]\s*)?(?:10\s*(?:(?:\^|\*\*)\s*[-−+]?|[-�
 _CONVERTER_UNIT_PATTERN = (
     r"(?:V|volts?|mV|LSB|bits?|digits?|counts?|inc(?:rements?)?|levels?|gr[ae]y[ _-]?(?:levels?|values?))"
 )
-# This pattern excludes a factor of 1, which leaves the heights unchanged.
 _FACTOR_OTHER_THAN_ONE_PATTERN = r"(?!\s*1(?:[.,]0*)?\s*[*×x]?\W*$)"
 _UNAPPLIED_FACTOR_PATTERN = LazyPattern(
     # This pattern matches a factor above a matrix of heights, such as "1.0e-03 *".
@@ -180,7 +178,6 @@ _HEIGHT_RANGE_PATTERN = LazyPattern(
     rf"\s*(?:[\[(]({UNIT_PATTERN})[\])])?{SEPARATOR_PATTERN}({DECIMAL_PATTERN})\s*({UNIT_PATTERN})?\W*",
     re.IGNORECASE,
 )
-# Maximum number of characters of a word that may be an unknown unit.
 MAX_UNIT_LENGTH = 12
 _HISTORY_PREFIX = "# history: "
 
@@ -431,7 +428,6 @@ def _parse_height_unit(lines: Sequence[str], is_profile: bool, has_size: bool) -
     a part of this size.
     """
     plain_units = dict(_list_plain_units(lines))
-    # If the header declares several units, one for each quantity or column, all units are returned.
     if len({parse_length_unit(unit) or unit for unit in plain_units}) > 1:
         return " and ".join(plain_units), next(iter(plain_units.values()))
     for line in lines:
@@ -622,7 +618,7 @@ def split_column_names(line: str, width: int, dialect: Dialect) -> list[str] | N
             and dialect.separator is not None
             and any(map(_has_unit, cells))
         ):
-            # A header may have more names than there are columns. Surplus names at the end of the header are ignored.
+            # A header may have more names than there are columns; surplus names at its end are ignored.
             return cells[:width]
         if len(cells) == width:
             return cells
@@ -688,7 +684,8 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
         )
         return tuple(map(unit_in_column_name, cells)) if cells is not None and is_name_line else (None,) * width
     if cells is not None and any(unit_in_column_name(cell) for cell in cells):
-        # If one column name ends with a known unit, such as "x mm", all others end with units too, such as "z V".
+        # If one column name ends with a known unit, such as "x mm", the others are assumed to end with units, such as
+        # "z V".
         last_words = [_split_name(cell)[-1] for cell in cells]
         names_end_with_units = any(map(parse_length_unit, last_words))
         return tuple(

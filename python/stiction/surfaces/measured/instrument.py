@@ -105,7 +105,7 @@ def _open_reader(path: Path) -> Iterator[Any]:
     except Exception as error:
         # SurfaceTopography raises many classes of errors for a file that it cannot read.
         detail = f" ({type(error).__name__}: {' '.join(str(error).split())[:120]})"
-        # The text of `CannotDetectFileFormat` is left out. It lists the errors of all readers of SurfaceTopography.
+        # `CannotDetectFileFormat` lists the errors of all readers of SurfaceTopography, so its text is left out.
         if type(error).__name__ == "CannotDetectFileFormat":
             detail = ""
         raise FormatError(_UNKNOWN_FORMAT_MESSAGE.format(detail)) from None
@@ -122,8 +122,8 @@ def _read_channel(path: Path, index: int, name: str) -> RawHeights | ColumnTable
         if isinstance(channel.unit, tuple):
             raise FormatError(f"has a channel {index} ({name}) that does not contain heights; choose another channel")
         has_sizes = channel.physical_sizes is not None
-        # SurfaceTopography requires physical sizes, which some files lack.
-        # If sizes are missing, the numbers of points are passed as sizes, and the resulting spacing is ignored.
+        # If a file lacks physical sizes, which SurfaceTopography requires, the numbers of points serve as sizes and the
+        # spacing is ignored.
         size_arguments = {} if has_sizes else {"physical_sizes": tuple(map(float, np.atleast_1d(channel.nb_grid_pts)))}
         source = HeightProvenance(f"{reader.format()} by SurfaceTopography", column=name)
         topography = channel.topography(**size_arguments)

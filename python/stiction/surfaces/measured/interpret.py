@@ -43,7 +43,7 @@ The spacing then has a relative error of at most 1/1000.
 """
 
 _SPACING_RANGE = (1e-6, 1e6)
-# Largest accepted length or height (µm). A larger number has a wrong unit or marks a missing point.
+# A larger length or height (µm) has a wrong unit or marks a missing point.
 _MAX_LENGTH = 1e9
 # Codes for missing points that are stored in single precision have a relative rounding error of at most this number.
 MISSING_CODE_TOLERANCE = 1e-6
@@ -66,9 +66,8 @@ class ReadOptions:
     # Numbers that mark missing points, in the unit of the file.
     codes: tuple[float, ...] = ()
     words: tuple[str, ...] = ()
-    # Names of the file caveats that the caller accepts.
     accept: tuple[str, ...] = ()
-    # True if the caller gives one unit for the heights and for positions whose unit the file does not state.
+    # True if the caller gives one unit for the heights, and for positions whose unit the file does not state.
     one_unit: bool = False
 
 
@@ -611,8 +610,8 @@ def _find_worst_position_deviation(
     """
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
-    # Rounding the first and the last position changes the distance between them by up to one unit of the last digit.
-    # Truncating instead of rounding the positions causes a smaller change of the distance.
+    # Rounding the first and the last position changes their distance by up to one unit of the last digit; truncation
+    # changes it less.
     tolerance = np.maximum(last_digit_values, np.linspace(last_digit_values[0], last_digit_values[-1], x.size)) * (
         1 + 1e-6
     )

@@ -15,29 +15,24 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.surfaces.measured.raw import FileCaveat, FormatError
 
-# Minimum number of points in a list of points with grid coordinates in two columns.
 MIN_GRID_POINTS = 9
 MAX_GRID_NODES_PER_LISTED_POINT = 2
-# Maximum number of columns in a list of points, such as coordinates, colours, intensity and normal.
+# A list of points may have columns of coordinates, colours, intensity and normal.
 MAX_POINT_COLUMNS = 12
-# Minimum number of rows of a table that may be a list of points.
 MIN_POINT_ROWS = 12
 # Maximum number of rows or columns of statistics, such as means, along one edge of a matrix.
 MAX_STATISTIC_LINES = 6
-# Largest deviation of a printed statistic from the computed statistic, in standard deviations of the heights.
-# The limit is larger than the effect of rounding, and smaller than the deviation of a row of measured heights.
+# In standard deviations of the heights: larger than the effect of rounding, smaller than the deviation of a measured
+# row.
 MAX_STATISTIC_DEVIATION = 2e-3
 # Maximum number of heights per text line of a profile that is written in several lines.
 MAX_WRAPPED_COLUMNS = 32
-# Minimum number of text lines of a profile that is written in several lines.
 MIN_WRAPPED_LINES = 3
-# A matrix gets a caveat if its heights may be a profile that continues from line to line.
-# The caveat is left out if the matrix is more than this many times as likely to be a map as a wrapped profile.
+# A possibly wrapped profile gets no caveat if it is more than this many times as likely to be a map.
 MAX_LIKELIHOOD_RATIO = 100.0
 # The search for a wrapped profile ignores heights beyond this number of median deviations from the median height.
 MAX_DEVIATION_IN_LINES = 8.0
-# In a wrapped profile, neighbours in a column differ more than neighbours in a line.
-# The mean square difference is larger by at least this factor.
+# In a wrapped profile, neighbours in a column have a larger mean square difference than neighbours in a line.
 MIN_COLUMN_TO_LINE_DIFFERENCE_RATIO = 2.0
 
 _SUMMARY_STATISTICS: tuple[tuple[str, Callable[..., Any]], ...] = (

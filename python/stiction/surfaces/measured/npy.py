@@ -18,7 +18,6 @@ from stiction.surfaces.profile import MAX_POINTS
 SPACING_FIELDS = ("spacing_y_um", "spacing_x_um")
 """Fields of the spacing array in an NPY file of a height map. For a profile, the array has only the field along x."""
 
-# Maximum number of characters of the history that the third array of an NPY file stores.
 _MAX_STORED_HISTORY_LENGTH = 1_000_000
 
 

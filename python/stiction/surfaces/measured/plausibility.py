@@ -16,47 +16,34 @@ from stiction._checks import Floats
 from stiction._repr import format_with_unit
 from stiction.surfaces.measured.raw import FileCaveat
 
-# Minimum number of occurrences of an extreme height that may be an uncommon code for missing points.
 MIN_MISSING_CODE_REPEATS = 2
-# Minimum distance of a code for missing points from all other heights, divided by the range of the other heights.
+# Distances of a code for missing points from all other heights are relative to the range of these heights.
 MIN_MISSING_CODE_DISTANCE = 2.0
-# Minimum distance of a code for missing points from the other heights, as a fraction of the range of these heights.
-# `MIN_REPEATED_CODE_DISTANCE` applies to repeated codes, `MIN_KNOWN_CODE_DISTANCE` to common codes such as 9999.
 MIN_REPEATED_CODE_DISTANCE, MIN_KNOWN_CODE_DISTANCE = 0.5, 0.25
 KNOWN_MISSING_CODES = frozenset(
     [sign * number for sign in (1, -1) for number in (999, 9999, 99999, 999999)]
     + [-(2**15), 2**15 - 1, 2**16 - 1, -(2**31), 2**31 - 1, 2**32 - 1]
 )
-# A scan is searched for codes of missing points only if it has at least this number of different heights.
 MIN_DISTINCT_HEIGHTS = 5
-# Maximum number of different codes for missing points below, and above, all measured heights.
 MAX_MISSING_CODES = 4
-# Minimum distance of a code for missing points from the median height, in median absolute deviations.
 MIN_CODE_TO_MEDIAN_DEVIATION_RATIO = 3.0
-# Maximum number of heights from which the median height and the frequency of each height are estimated.
 MAX_SAMPLED_HEIGHTS = 65_536
-# A scan is searched for unusually frequent heights only if it has at least this number of different heights.
 MIN_COMPARED_HEIGHTS = 20
-# Number of neighbouring heights, on each side, with which the frequency of a height is compared.
 NUM_NEIGHBOURS = 12
-# Let m be the median frequency of similar heights.
-# A height is unusually frequent if it occurs at least MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) times.
+# A height is unusually frequent if it occurs at least MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) times,
+# where m is the median frequency of similar heights.
 MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
-# Smallest and largest fraction of points with the same height for a caveat about an unusually frequent height.
 MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4
-# Let m be the largest of three mean frequencies: of the nearest 1, 3 and 12 heights on each side of 0.
-# Zeros are unusually frequent if their number is at least 2 m + MIN_ZERO_DEVIATIONS · sqrt(2 m) + MIN_ZEROS.
+# Zeros are unusually frequent above 2 m + MIN_ZERO_DEVIATIONS · sqrt(2 m) + MIN_ZEROS, where m is the largest mean
+# frequency of the nearest 1, 3 and 12 heights on each side of 0.
 MIN_ZERO_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
-# Repeated rows cause a caveat up to this fraction of the rows.
-# With more repeated rows, the map is probably a profile that was extended along y.
+# With a larger fraction of repeated rows, a map is probably a profile that was extended along y.
 MAX_REPEATED_ROWS = 0.9
-# A run of equal heights in a profile gets a caveat if it has at least 8 points.
-# The caveat also requires that rounding causes such a run with a probability of at most 1e-4.
+# A run of equal heights in a profile gets a caveat if rounding causes it with a probability of at most 1e-4.
 MIN_EQUAL_RUN_LENGTH, MAX_RUN_PROBABILITY = 8, 1e-4
-# The height range that a header declares is wrong if the heights of the scan have a range at least 10 times larger.
-# A range of heights that is a power of 1000 smaller than declared (within 10 %) indicates a wrong unit.
+# A height range that is a power of 1000 (within 10 %) smaller than declared indicates a wrong unit.
 MAX_RATIO_TO_DECLARED_HEIGHT_RANGE, MAX_UNIT_FACTOR_DEVIATION, UNIT_FACTOR = 10.0, 0.1, 1000.0
-# Minimum number of points for plausibility checks of heights. Smaller arrays may be examples for demonstration.
+# Arrays with fewer heights may be examples for demonstration.
 MIN_CHECKED_POINTS = 20
 # Smallest plausible spacing (1 Å), largest plausible spacing (1 cm) and largest plausible extent (1 m), in µm.
 MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6
@@ -71,7 +58,7 @@ class ScannedHeights:
     spacing: tuple[float, ...]
     # Conversion factor from the numbers in the file to µm.
     factor: float = 1.0
-    # False for heights that were passed as an array. Such heights may be computed, so some checks do not apply.
+    # False for heights passed as an array: they may be computed, so that some checks do not apply.
     from_file: bool = True
     # Height range (µm) that the header of the file states.
     declared_range: float | None = None
@@ -109,7 +96,6 @@ def find_caveats(scan: ScannedHeights) -> tuple[FileCaveat, ...]:
         return ()
     findings = [(check, text) for check in PLAUSIBILITY_CHECKS[:1] for text in check.find(scan)]
     codes = [float(text.partition("|")[2]) * scan.factor for _, text in findings]
-    # The other plausibility checks ignore possible codes for missing points.
     if codes:
         is_code = np.isclose(scan.heights[..., np.newaxis], codes, rtol=1e-9, atol=0.0).any(axis=-1)
         scan = replace(scan, heights=np.where(is_code, np.nan, scan.heights))
@@ -160,8 +146,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
     if near_sample.size > MIN_DISTINCT_HEIGHTS and not has_gap:
         return []
     is_far = (heights < median - max_near_deviation) | (heights > median + max_near_deviation)
-    # If the largest gap between the sorted heights of a subset is small, the largest gap between all heights is small.
-    # A small gap excludes codes for missing points.
+    # If the largest gap between the sorted heights of a subset is small, no height can be a code for missing points.
     gaps = np.diff(np.sort(np.concatenate([heights[is_far], [near_sample.min(), near_sample.max()]])))
     if not is_far.any() or (near_sample.size > MIN_DISTINCT_HEIGHTS and not (gaps > max_gap).any()):
         return []
@@ -286,7 +271,6 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
     if not scan.from_file:
         return
     if scan.heights.ndim == 1:
-        # Index of the last height in each run of equal heights.
         run_ends = np.flatnonzero(np.diff(scan.heights) != 0)
         runs = np.diff(run_ends, prepend=-1, append=scan.heights.size - 1)
         longest_run = int(runs.max())

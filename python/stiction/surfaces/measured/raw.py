@@ -34,11 +34,10 @@ not in words.
 """
 
 MAX_FILE_BYTES = 2_000_000_000
-# Maximum size (bytes) of a text file. Parsing needs ten times as much memory as the text.
+# Parsing a text file needs ten times as much memory as its text.
 MAX_TEXT_BYTES = 300_000_000
 # Maximum number of points of a compressed map per byte of its file.
 MAX_POINTS_PER_BYTE = 100
-# Number of points that a map may have regardless of the file size.
 MAX_POINTS_OF_SMALL_MAP = 1_000_000
 # Smallest and largest spacing or size (µm) that a header can declare.
 MIN_DECLARED_LENGTH, MAX_DECLARED_LENGTH = 1e-6, 1e9
@@ -172,7 +171,6 @@ class RawHeights:
     # Heights in the unit of the file, with the shape (n,) or (rows, columns).
     heights: Floats
     unit: str | None = None
-    # Positions of the n points of a profile.
     positions: Floats | None = None
     # Function that returns the place value of the last printed digit of each position.
     digits: LastDigitValueFunction | None = None
@@ -185,17 +183,14 @@ class RawHeights:
     declared_spacings: tuple[DeclaredLength, DeclaredLength] | None = None
     # Declared height and width of the map.
     size: tuple[DeclaredLength, DeclaredLength] | None = None
-    # Descriptions of choices made while the file was read, such as the column of heights.
     history: tuple[str, ...] = ()
     source: HeightProvenance = HeightProvenance()
     # Numbers that mark missing points according to the file.
     codes: tuple[float, ...] = ()
     # Declared factor that converts the numbers in a file to `unit`.
     factor: float | None = None
-    # Grid spacing that the file declares without a unit.
     bare_spacing: tuple[float, ...] | None = None
     unclear_spacing: UnclearSpacing | None = None
-    # Declared distance from the lowest to the highest height.
     height_range: DeclaredLength | None = None
     caveats: tuple[FileCaveat, ...] = ()
 
@@ -206,10 +201,8 @@ class WordColumn:
 
     # Index of this column among all columns of the table.
     place: int
-    # Most frequent words in the column, with their counts.
     words: str
     rarest_word: str
-    # Mask of the rows in which a word marks a missing point.
     missing: NDArray[np.bool_]
     # Different units of length in the column, if all words of the column are units.
     units: tuple[str, ...] = ()
@@ -228,15 +221,13 @@ class ColumnTable:
     units: tuple[str | None, ...] = ()
     # Function that returns the place value of the last printed digit of each number in a column.
     digits: Callable[[int], Floats] | None = None
-    # Function that returns the place value of the last printed digit of each number in a row.
     row_digits: Callable[[int], Floats] | None = None
     declared: HeaderDeclarations = field(default_factory=lambda: HeaderDeclarations())
-    # Processing steps listed in the file, applied before the heights were written.
     history: tuple[str, ...] = ()
     # True for an array of heights, as in NumPy files and maps of instruments.
     is_array: bool = False
     source: HeightProvenance = HeightProvenance()
-    # For each column of the table, its number in the file. None if the file has no other columns.
+    # For each column of the table, its number in the file; None if the file has no other columns.
     places: tuple[int, ...] | None = None
     # Number of rows and first line (counted from 1) of each block, if empty lines divide the text into blocks of rows.
     block_lengths: tuple[int, ...] = ()
@@ -255,25 +246,20 @@ class ColumnTable:
 class HeaderDeclarations:
     """Declarations in the header of a table: lengths, units, factors and codes for missing points."""
 
-    # Declared spacing of a profile, or of a map along one axis.
     spacing: DeclaredLength | None = None
     # Declared spacings of the rows and of the columns of a map.
     spacings: tuple[DeclaredLength, DeclaredLength] | None = None
     row_spacing: DeclaredLength | None = None
     # Declared height and width of a map.
     size: tuple[DeclaredLength, DeclaredLength] | None = None
-    # Declared distance from the lowest to the highest height.
     height_range: DeclaredLength | None = None
     # Declared spacing (Δx,) or (Δy, Δx) without a unit.
     bare_spacing: tuple[float, ...] | None = None
     unclear_spacing: UnclearSpacing | None = None
     # Declared unit of the heights, which may not be a length.
     unit: str | None = None
-    # Declared unit of the positions, which may not be a length.
     position_unit: str | None = None
-    # Declared factor that converts numbers to `unit`.
     factor: float | None = None
-    # Numbers that mark missing points according to a header.
     codes: tuple[float, ...] = ()
     # Integers in a header that are codes for missing points or counts of missing points.
     counts: tuple[float, ...] = ()
@@ -281,7 +267,6 @@ class HeaderDeclarations:
     unapplied_factor_line: str = ""
     points: int | None = None
     tip_radius: DeclaredLength | None = None
-    # Header line that declares the unit or the factor of the heights.
     unit_line: str = ""
     # Header line that declares the numbers of a profile to be slopes.
     slope_line: str = ""

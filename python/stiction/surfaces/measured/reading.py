@@ -65,7 +65,6 @@ _FILE_SIGNATURES = {
 }
 """First bytes of some types of files, with the usual file name extensions and a description of each type."""
 
-# Maximum size (bytes) of a text file that describes a data file.
 MAX_DESCRIPTION_BYTES = 100_000
 # This pattern matches DABAM files that contain slopes (format 1 or 3) instead of heights (format 2 or 4).
 _DABAM_FORMAT_PATTERN = re.compile(rb'\A\s*\{.*"FILE_FORMAT"\s*:\s*([13])\s*[,}]', re.DOTALL)

@@ -54,15 +54,13 @@ MAX_LISTED_NAMES = 12
 MAX_SELECTED_PROFILE_COLUMNS = 3
 # Minimum count of numbers with slightly unequal steps that are regarded as measured positions.
 MIN_JITTERED_POSITIONS = 8
-# Steps of measured positions may differ by at most this fraction of the mean step.
 MAX_RELATIVE_STEP_DEVIATION = 0.5
 # A surface counts as tilted if heights and point index have at least this correlation in every line.
 MIN_TILT_CORRELATION = 0.98
-# Minimum count of heights below the first number of a column.
-# The first number gets a caveat if it has fewer decimals than each of the heights below it.
+# The first number of a column gets a caveat if it has fewer decimals than each of at least this many heights below it.
 MIN_COMPARED_NUMBERS = 20
-# Minimum step of a column of positions, in units of the last printed digit.
-# With steps of fewer than three units, coarsely rounded heights could have equal steps by chance.
+# With steps of fewer than three units of the last printed digit, coarsely rounded heights could have equal steps by
+# chance.
 MIN_STEP_IN_LAST_DIGITS = 3.0
 NameOrIndex = str | int
 
@@ -777,7 +775,7 @@ def _is_xyz_table(table: ColumnTable) -> bool:
         return False
     count = x.size
     distinct_counts = [np.unique(coordinates).size for coordinates in (x, y)]
-    # In a list of grid points, x and y occur repeatedly. In columns of positions and heights, positions are unique.
+    # In a list of grid points, x and y occur repeatedly; the positions of a profile are unique.
     return (max(distinct_counts) < count and min(distinct_counts) > 1) or (
         bool(table.names) and max(distinct_counts) == count and min(distinct_counts) > 1
     )

@@ -114,14 +114,12 @@ _SIZE_PATTERNS = tuple(
 class SpacingDeclarations:
     """Spacings and size of a scan that the header of a file declares."""
 
-    # Declared spacing of a profile, or of a map along one axis.
     spacing: DeclaredLength | None = None
     # Declared spacings of the rows and of the columns of a map.
     spacings: tuple[DeclaredLength, DeclaredLength] | None = None
     # Declared height and width of a map.
     size: tuple[DeclaredLength, DeclaredLength] | None = None
     row_spacing: DeclaredLength | None = None
-    # Declared spacing (Δx,) or (Δy, Δx) without a unit.
     bare_spacing: tuple[float, ...] | None = None
     unclear: UnclearSpacing | None = None
 
@@ -296,7 +294,6 @@ def _parse_bare_number(number: str) -> float | None:
     try:
         return parse_positive_number(number, "as spacing")
     except FormatError:
-        # An invalid length is ignored, because headers often contain lengths that are not used.
         return None
 
 

@@ -20,16 +20,15 @@ from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FormatError
 WAVE_NUMBER_COLUMN, DENSITY_COLUMN, WAVE_COUNT_COLUMN = "wave number (1/um)", "C2D (um4)", "waves"
 """Column names of a spectrum file. Tables from other programs need not have the last column."""
 
-# A spectrum file has two columns for each scan, whose names begin with these prefixes:
-# fraction of wave vectors, and ratio of the scan's density to the joined density.
+# Prefixes of two columns for each scan: fraction of wave vectors, and ratio of the scan's density to the joined
+# density.
 WAVE_VECTOR_FRACTION_COLUMN_PREFIX, DENSITY_RATIO_COLUMN_PREFIX = "fraction of ", "power over the joined of "
 _SCAN_LINE_PATTERN = re.compile(
     r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)"
 )
 _HASH_LINE_PATTERN = re.compile(r"^#.*\n?", re.MULTILINE)
-# Number of bytes at the start of a spectrum file that must contain the column names.
-_NUM_HEADER_BYTES = 100_000
-# Rounding of the wave numbers in a spectrum file may change the ratio of successive wave numbers by this fraction.
+_NUM_BYTES_WITH_COLUMN_NAMES = 100_000
+# Rounded wave numbers in a spectrum file change the ratio of successive wave numbers by at most this fraction.
 _RATIO_TOLERANCE = 1e-3
 
 
@@ -114,7 +113,7 @@ def is_spectrum_file(path: Path) -> bool:
         return False
     try:
         with path.open("rb") as file:
-            header_text = file.read(_NUM_HEADER_BYTES).decode("utf-8-sig", "replace")
+            header_text = file.read(_NUM_BYTES_WITH_COLUMN_NAMES).decode("utf-8-sig", "replace")
     except OSError:
         return False
     names = next((line for line in header_text.splitlines() if line.strip() and not line.startswith("#")), "")

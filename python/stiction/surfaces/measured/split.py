@@ -26,11 +26,8 @@ from stiction.surfaces.measured.decode import (
 )
 from stiction.surfaces.measured.raw import FormatError
 
-# Maximum number of text lines from which the separator and the decimal mark are detected.
 _MAX_SAMPLE_LINES = 60
-# Maximum number of characters from which the separator and the decimal mark are detected.
 _MAX_SAMPLE_CHARACTERS = 10_000
-# Lines are truncated before the separator is detected, but never to fewer characters than this number.
 _MIN_SAMPLED_LINE_LENGTH = 200
 # The last printed digit of a column is determined from at most this number of rows.
 MAX_SAMPLED_ROWS = 20_000
@@ -100,7 +97,7 @@ _DIALECTS_WITHOUT_THOUSANDS_SEPARATOR = [
     Dialect("\t", "."), Dialect("\t", ","), Dialect(";", "."), Dialect(";", ","), Dialect("|", "."), Dialect("|", ","),
     Dialect(",", "."), Dialect(None, "."), Dialect(None, ","),
 ]  # fmt: skip
-# Dialects in which commas both separate cells and mark decimals. Cells in such a text must be quoted.
+# Commas may separate cells and mark decimals only if the cells are quoted.
 _QUOTED_DIALECTS = [Dialect(",", ",")]
 _THOUSANDS_DIALECTS = [
     Dialect(separator, point, thousands)
@@ -119,7 +116,6 @@ class NumberBlock:
     # Line numbers of the table rows, counted from 0.
     lines: LineNumbers
     dialect: Dialect
-    # Numbers in a table, with the shape (rows, columns).
     values: Floats
     # First line with fewer cells than the table has columns, for example where the shorter of two profiles ends.
     first_short_line: int | None = None
@@ -460,7 +456,6 @@ def _to_plain_rows(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> t
 _MISSING_MARK_PATTERN = re.compile(rb"(?<![^\s;,|\"])(?:\*{1,40}|-{2,40})(?![^\s;,|\"])")
 # The bytes of "--" as an integer are equal in both byte orders.
 _TWO_DASHES_AS_INTEGER = int.from_bytes(b"--", "little")
-# This pattern matches a number with a blank between its digits.
 _BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")
 
 

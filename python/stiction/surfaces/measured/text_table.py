@@ -42,8 +42,7 @@ MAX_HISTORY_ENTRY_CHARACTERS = 1000
 MAX_HISTORY_STEPS = 1000
 
 
-# A few lines of numbers above or below a table are ignored, because they do not belong to the table.
-# The number of ignored lines is at most this fraction of the number of table lines, plus 2.
+# Above or below a table, up to this fraction of its number of lines, plus 2, may be other lines of numbers.
 MAX_FOOTER_FRACTION = 0.1
 
 
@@ -51,7 +50,7 @@ MAX_FOOTER_FRACTION = 0.1
 MIN_ROWS_ABOVE_CUT_NUMBER = 50
 
 
-# Minimum number of rows of a table. A block with fewer rows above the table is regarded as sizes or counts.
+# A block with fewer rows above a table is regarded as sizes or counts.
 MIN_BLOCK_ROWS = 2
 
 

@@ -18,7 +18,6 @@ _CELL_SEPARATORS = ("\t", ";", "|", None, ",")
 _NUMBER_CELL_PATTERN = re.compile(r"[+-]?(?:[0-9]{1,40}(?:[.,][0-9]{0,40})?|[.,][0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?")
 _WORD_REPLACEMENT = "nan"
 _MAX_SEPARATOR_SEARCH_LINES = 400
-# Minimum number of rows of a table in which columns of words are searched for.
 MIN_TABLE_ROWS = 4
 MAX_LISTED_WORDS = 4
 
@@ -101,9 +100,9 @@ class _TableWithTextColumns:
     numeric_columns: set[int] = field(default_factory=set)
     lines: list[int] = field(default_factory=list)
     rows: list[list[str]] = field(default_factory=list)
-    # Number of occurrences of each word in a column. The key is the column.
+    # Number of occurrences of each word, by column.
     word_counts: dict[int, Counter[str]] = field(default_factory=dict)
-    # Lines in which a word marks a missing point. The key is the column.
+    # Lines in which a word marks a missing point, by column.
     missing_lines: dict[int, list[int]] = field(default_factory=dict)
 
 

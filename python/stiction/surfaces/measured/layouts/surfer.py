@@ -22,8 +22,7 @@ from stiction.surfaces.measured.raw import FormatError, HeightProvenance, RawHei
 from stiction.surfaces.measured.split import parse_numbers_in_lines
 
 _FIRST_LINE = "DSAA"
-# Heights above this number are codes for missing points.
-_MISSING_POINT_CODE = 1.7e38
+_MIN_MISSING_POINT_CODE = 1.7e38
 _HEADER_LINES = ("the counts of x and y", "the range of x", "the range of y", "the range of heights")
 
 
@@ -46,7 +45,7 @@ def _read(text: DecodedText) -> RawHeights:
         raise FormatError(f"declares {rows:g} rows of {columns:g} heights, but has {heights.size} heights")
     source = HeightProvenance(separator="space", decimal_mark=".", lines=(first + 1, last + 1), lines_above=first)
     return RawHeights(
-        np.where(heights >= _MISSING_POINT_CODE, np.nan, heights).reshape(int(rows), int(columns)),
+        np.where(heights >= _MIN_MISSING_POINT_CODE, np.nan, heights).reshape(int(rows), int(columns)),
         spacing=((y1 - y0) / (rows - 1), (x1 - x0) / (columns - 1)), source=source,
     )  # fmt: skip
 

@@ -35,7 +35,6 @@ from stiction.surfaces.measured.shapes import MAX_TABLE_GRID_POINTS
 from stiction.surfaces.measured.split import Dialect, parse_number_block
 from stiction.surfaces.measured.text_table import make_height_provenance
 
-# Indices of two header lines, counted from 0: origin and size of the map, and pixel size.
 _MAP_SIZE_LINE_INDEX, _PIXEL_SIZE_LINE_INDEX = 3, 7
 _PIXEL_SIZE_LINE_TEXT = f"for the pixel size in line {_PIXEL_SIZE_LINE_INDEX + 1}"
 
