@@ -117,7 +117,6 @@ def at_load(
             np.repeat(hardness[..., np.newaxis], 3, axis=-1), quantity_attributes("contact_hardness"),
         )  # fmt: skip
     if is_measured and is_requested("load_definition_effect", names):
-        # `load_definition_effect` compares the coefficients at an elastic load and at a normal load of the same size.
         other_definition: LoadDefinition = "normal" if load_definition == "elastic" else "elastic"
         # Like ensemble means, the compared coefficient neglects growth and loss of contact area under shear.
         other_result = (

@@ -137,7 +137,7 @@ def _evaluate_alternatives_uncached(
     }
 
 
-# Dimensions and values of each variable of a dataset. The key is the name of the variable.
+# Dimensions and values of each variable of a dataset, by the name of the variable.
 _VariablesByName = dict[str, tuple[tuple[str, ...], Floats]]
 
 
@@ -303,7 +303,7 @@ def _evaluate_uncertainty(
     return tables, coordinates
 
 
-# Uncertain inputs (the key is the name of the input), and random samples of the pair (mu0, tau0).
+# Uncertain inputs by name, and random samples of the pair (mu0, tau0).
 _UncertainInputsAndStrengthSamples = tuple[dict[str, StudyInput], list[JointSamples]]
 
 
@@ -444,7 +444,7 @@ def _iterate_intervals(
         )
     shape = tuple(at.sizes[dim] for dim in dims)
     all_inputs = replace(study_inputs, mu0=at["mu0"].values[:, np.newaxis], tau0=at["tau0"].values)
-    # Quantities at the central inputs, for all mu0 and tau0. The key contains the index along each other dimension.
+    # Quantities at the central inputs for all mu0 and tau0, by the index along each other dimension.
     central_values: dict[tuple[int, ...], Any] = {}
     for position in np.ndindex(*shape):
         indices = dict(zip(dims, position, strict=True))
@@ -609,7 +609,6 @@ def _get_combined_coefficients(
     # A computed interval may have an infinite upper limit. Only NaN marks an interval that was not computed.
     is_known = ~np.isnan(known_intervals).any(axis=-1)
     combined_friction[is_known] = known_intervals[is_known]
-    # The interval at the first cutoff must include the intervals at all other cutoffs.
     if study.surfaces.both_readings and "cut_off" in dims:
         coefficients_by_cutoff = np.moveaxis(combined_friction, dims.index("cut_off"), 0)
         coefficients_by_cutoff[0] = _extend_estimates(coefficients_by_cutoff[0], coefficients_by_cutoff[1:])

@@ -37,8 +37,7 @@ SAMPLING_INPUT_NAMES = (UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME, POSITION
 
 # Name of the input that stands for both mu0 and tau0 in an uncertainty budget, if both come from one calibration.
 INTERFACE_INPUT_NAME = "interface"
-# In the uncertainty budget, an input is fixed at each of these quantiles of its distribution.
-# The widths of the intervals that remain are averaged.
+# The uncertainty budget averages the interval widths that remain if an input is fixed at each of these quantiles.
 FIXED_INPUT_QUANTILES = (0.1, 0.5, 0.9)
 
 FRICTION_PERCENTILES = np.array([5.0, 50.0, 95.0])
@@ -145,7 +144,6 @@ class _InputSamples:
     values: dict[str, Floats]
     # Random samples of the effective modulus E*, each divided by the E* of the study.
     modulus: Floats | float
-    # Exponent of indentation creep in each random sample of the inputs, or None without a creep exponent.
     creep: Floats | None
 
 
@@ -261,12 +259,10 @@ class CombinedIntervals:
     ) -> None:  # fmt: skip
         self.study, self.response, self._sampler = study, response, sampler
         self.mu0, self.tau0, self.rule = float(point["mu0"]), float(point["tau0"]), str(point["sliding"])
-        # Mean coefficient of friction, and lower and upper limit of the interval of the mean over positions.
         self.sampling_estimate: Floats = point["mean_friction"]
         self.names: tuple[str, ...] = ()
         self.inputs: dict[str, UncertainInput] = {name: study_input.estimate for name, study_input in inputs.items()}
-        # The first element of `strengths` contains random samples of the pair (mu0, tau0).
-        # Each further element contains samples with mu0 = 0, or samples with tau0 = 0.
+        # Samples of the pair (mu0, tau0) come first in `strengths`, then samples with mu0 = 0 or with tau0 = 0.
         self.strengths = strengths
         self.is_tested = any(samples.area_scores is not None for samples in strengths)
         self.area_error = area_error

@@ -164,11 +164,10 @@ class AreaFunction:
 class _SolvedAreas:
     """True areas (µm²) that a result stores, averaged over members, as arrays (cutoffs, loading steps)."""
 
-    # True areas, averaged over all members.
     all_members: Floats
     # True areas, averaged over the members with a stored elastic area.
     elastic_members: Floats
-    # Means of the stored elastic areas, or estimates of these means. NaN if the study needs no elastic areas.
+    # NaN if the study needs no elastic areas.
     elastic: Floats
 
 
@@ -344,7 +343,6 @@ def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
         # In complete contact, round-off may raise the elastic area above the nominal area.
         largest_areas = np.maximum(areas.elastic, float(result.head["nominal_area"]))
         factors = np.minimum(true_areas, largest_areas) / areas.elastic_members
-    # The ratio of true to elastic area is interpolated at loads without an elastic area.
     for cell_factors in factors:
         is_known = np.isfinite(cell_factors)
         if is_known.any():

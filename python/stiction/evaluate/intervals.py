@@ -20,15 +20,12 @@ from stiction._checks import Floats
 
 CONFIDENCE_LEVEL = 0.95
 INTERVAL_STATISTICS = ["mean", "lower", "upper"]
-# The slope of a curve at a load is fitted to this number of loading steps on each side of the load.
 NUM_LOAD_STEPS_PER_SIDE_OF_SLOPE_FIT = 4
 MAX_INTERPOLATED_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads that allows interpolation between them."""
-# Maximum number of array elements that are evaluated together. Larger batches would not be faster.
+# Larger batches of array elements would not be faster.
 MAX_VALUES_PER_BATCH = 2**17
-# Minimum number of repetitions for an interval.
 MIN_SAMPLE_SIZE = 3
-# Minimum number of neighbouring positions for an interval of the mean.
 MIN_NEIGHBOURING_POSITIONS = 8
 MIN_SIGN_PRESERVING_CHANGE = -1 + 1e-12
 """Relative change of a mean on leaving out one repetition, above which the mean certainly keeps its sign.
@@ -42,9 +39,8 @@ Friction up to this fraction of the load or of the pull-off force counts as roun
 """
 _TRIAL_NEIGHBOUR_CORRELATIONS = np.linspace(0.0, 0.95, 20)
 _MAX_NEWTON_STEPS = 50
-# The interval of a mean is symmetric if the absolute skewness of the values is at most this number.
 _MAX_SYMMETRIC_SKEWNESS = 1e-9
-# Maximum number of degrees of freedom. Student's t distribution with this number is practically normal.
+# Student's t distribution with this number of degrees of freedom is practically normal.
 MAX_DEGREES_OF_FREEDOM = 1e6
 
 
@@ -66,9 +62,7 @@ class LoadCrossings:
     index: NDArray[np.intp]
     # Position of each load between two loading steps, from 0 to 1, with the shape (..., loads).
     fraction: Floats
-    # True for loads that the curve reaches, with the shape (..., loads).
     reached: NDArray[np.bool_]
-    # True for loads below the first loading step, with the shape (..., loads).
     below: NDArray[np.bool_]
     # Loads of the curves, and requested loads. None if no ratio of a quantity to the load is interpolated.
     scale: tuple[Floats, Floats] | None = None
@@ -93,7 +87,6 @@ class LoadCrossings:
                 log_crossings.below,
                 (curve, loads),
             )
-        # `is_at_least_load` has the shape (..., steps, loads).
         is_at_least_load = curve[..., np.newaxis] >= loads
         starts_at_load = curve[..., :1, np.newaxis] == loads
         is_crossing = np.concatenate(
@@ -142,8 +135,8 @@ class LoadCrossings:
         values = np.broadcast_to(values, (*shape, values.shape[-1]))
         values_after = np.take_along_axis(values, index, axis=-1)
         values_before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
-        # If a load equals a loading step exactly, the quantity at the previous step has no effect, and may be NaN.
-        # Quantities may also be infinite, such as the stiffness at complete contact.
+        # The quantity at the step before a reached loading step may be NaN, and the stiffness at complete contact is
+        # infinite.
         with np.errstate(invalid="ignore"):
             interpolated = np.where(
                 fraction == 1, values_after, values_before + fraction * (values_after - values_before)
@@ -248,7 +241,7 @@ class MeansAtLoads:
 
     def __init__(self, normal: Floats, quantities: Sequence[Floats], repetitions: int, loads: Floats) -> None:
         self.crossing = LoadCrossings.from_curves(normal, loads)
-        # Each point is the crossing of one curve with one requested load that the curve reaches. There are p points.
+        # Each of p points is the crossing of a curve with a requested load that the curve reaches.
         self._curve, load = map(np.ascontiguousarray, np.nonzero(self.crossing.reached))
         self._index, self._fraction = self.crossing.index[self._curve, load], self.crossing.fraction[self._curve, load]
         self._repetitions = repetitions
@@ -351,7 +344,6 @@ class PowerSums:
         self._count += values.shape[-1]
         squares = values * values
         self._sums[0] += values.sum(axis=-1)
-        # `np.einsum` sums the products of the values without storing the products in an array.
         for index, factors in enumerate(((values, values), (squares, values), (squares, squares)), start=1):
             self._sums[index] += np.einsum("...r,...r", *factors)
 
@@ -492,8 +484,8 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
     has_spread = (standard_deviation > 0) & (values != values[:, :1]).any(axis=1)
     y, rho = deviations / np.where(has_spread, standard_deviation, 1.0)[:, np.newaxis], _TRIAL_NEIGHBOUR_CORRELATIONS
     y[~has_spread] = np.linspace(-1.0, 1.0, value_count)
-    # R is the correlation matrix of an autoregressive process. Because R^-1 has only three nonzero diagonals,
-    # 1' R^-1 1, 1' R^-1 y and y' R^-1 y are short sums.
+    # The inverse R^-1 of an autoregressive correlation matrix is tridiagonal, so 1' R^-1 1, 1' R^-1 y and y' R^-1 y are
+    # short sums.
     weight_sums, inflation, quantile, density = _compute_mixture_constants(value_count)
     end_values = y[:, [0, -1]]
     inner_sums, end_squares = y[:, 1:-1].sum(axis=1)[:, np.newaxis], np.square(end_values).sum(axis=1)[:, np.newaxis]
@@ -561,7 +553,6 @@ class ScanPairMean:
     freedom: float
     # Standard deviation of a single new test about the mean.
     test: float
-    # Degrees of freedom of the variance of a single new test.
     test_freedom: float
 
     @property

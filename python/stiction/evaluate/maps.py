@@ -33,9 +33,7 @@ if TYPE_CHECKING:
     import xarray
 
 DatasetTransformation: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
-# Maximum number of load-curve points that are in memory at the same time, for one result cell.
 MAX_VALUES_IN_MEMORY = 2**18
-# Dimensions whose combinations are the cells of a result. Each cell has one roughness or one cutoff.
 MAP_CELL_DIMENSION_NAMES = ("fractal_dimension", "amplitude", "cut_off")
 # Dimensions that a result has only if it covers several sliding rules or directions.
 MOTION_DIMENSION_NAMES = ("sliding", "direction")
@@ -275,8 +273,8 @@ def evaluate_ensemble_quantities(
     quantities = _EnsembleQuantities(
         dataset if transform is None else transform(dataset), names, load_values, *strengths, includes_ratios
     )
-    # The first pass over the members finds the loading steps at which mean loads reach the requested loads.
-    # The second pass over the members computes the intervals at the loading steps that the first pass found.
+    # The first pass over the members finds the loading steps of the requested loads, where the second pass computes the
+    # intervals.
     averages, ratio_operands, count = _average_sums(
         iterate_solved_pieces(result, quantities.required_variables(), transform),
         names,

@@ -98,8 +98,8 @@ def average_members(
         _remove_negative_means(directional_means, is_downhill),
         attributes,
     )
-    # A mean over directions has no meaning if the slider slides by itself, without a tangential load, in one direction.
-    # For mu0 = tau0 = 0, the mean is kept, because the coefficients of opposite directions cancel to a mean of 0.
+    # A mean over directions is undefined if the slider slides by itself in one of them, except for mu0 = tau0 = 0,
+    # where coefficients cancel.
     has_strength = np.add.outer(members["mu0"].values, members["tau0"].values) > 0
     counts_as_downhill = is_downhill & ~(directional_means[..., 2] >= 0) & has_strength
 
@@ -143,7 +143,6 @@ def average_members(
         )  # fmt: skip
         coordinates["axis"] = ("axis", axes, quantity_attributes("axis"))
     single_coefficients = np.moveaxis(coefficient, direction_axis, 1)
-    # The quantiles are NaN if no member has a coefficient.
     low_quantile, high_quantile = compute_sample_quantiles(
         single_coefficients.reshape(-1, *single_coefficients.shape[2:]), SPREAD_QUANTILES
     )
@@ -368,8 +367,7 @@ class MemberDependence:
         if self.order is None or self.lines is None:
             return np.stack(intervals.average_independent_values(values), axis=-1)
         flat_values = values[self.order].reshape(values.shape[0], -1)
-        # Columns of the array in which the same members are missing are evaluated together.
-        # In most columns, no member is missing.
+        # Columns that lack the same members (most lack none) are evaluated together.
         is_finite = np.isfinite(flat_values)
         is_incomplete = ~is_finite.all(axis=0)
         masks, mask_indices = [np.ones(len(flat_values), bool)], np.zeros(flat_values.shape[1], np.intp)

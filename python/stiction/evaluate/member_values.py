@@ -304,7 +304,6 @@ class _MemberForces:
     normal: Floats
     tangential: Floats
     is_reached: NDArray[np.bool_]
-    # True for each load below the first loading step.
     is_below: NDArray[np.bool_]
 
     @classmethod

@@ -36,25 +36,20 @@ class SlidingRuleCoefficient(Estimate):
     """
 
     _: KW_ONLY
-    # Sliding rule, that is, the contacts at which friction acts: "all" or "opposing".
-    rule: str
-    # Status of the coefficient: "ok", or the status of a direction without a coefficient.
+    rule: str  # "all" or "opposing"
+    # "ok", or the status of a direction without a coefficient.
     status: str = STATUS_OK
-    # Interval of the mean coefficient over positions.
     interval_of_mean: Interval = UNKNOWN_INTERVAL
-    # Prediction interval for the coefficient of one further test in one direction.
     prediction_interval: Interval = UNKNOWN_INTERVAL
-    # 10 % quantile of the coefficients of single members.
+    # 10 % and 90 % quantiles of the coefficients of single members.
     low: float = math.nan
-    # 90 % quantile of the coefficients of single members.
     high: float = math.nan
     # Small-slope estimate of the coefficient (`gentle_friction`), or NaN for generated bodies.
     slopes: float = math.nan
-    # True if the asperity model is invalid for contacts that carry more than half of the load.
     is_outside_asperity_model: bool = False
-    # Coefficient averaged over both directions along an axis, with its interval. The key is the axis (degrees).
+    # Coefficients averaged over both directions along an axis, by the angle of the axis (degrees).
     by_axis: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
-    # Coefficient in each direction of motion, with the interval of the mean. The key is the direction (degrees).
+    # Coefficients with the interval of the mean, by the direction of motion (degrees).
     by_direction: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
 
     @property
@@ -80,7 +75,7 @@ def iterate_points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
 
 def read_number(point: xarray.Dataset, name: str) -> float:
     """Return a number that has no interval, such as the load (mN), at a result point."""
-    # Reading the variable is much faster than reading an `xarray.DataArray`.
+    # Reading `point.variables[name]` is much faster than reading `point[name]`, an `xarray.DataArray`.
     return float(point.variables[name].values)
 
 
@@ -150,9 +145,8 @@ class PointQuantities:
     """
 
     estimates: dict[str, Estimate]
-    # Quantities of a result point that have no interval, by name.
     numbers: dict[str, float]
-    # Quantiles of each distribution. The outer key is the name of the distribution, the inner key the probability.
+    # Quantiles by the name of the distribution and by the probability.
     distributions: dict[str, dict[float, Estimate]]
 
 
@@ -189,7 +183,6 @@ def mean_over_directions(point: xarray.Dataset, name: str) -> float:
     """
     if name not in point.variables:
         return math.nan
-    # Indexing a NumPy array is much faster than a selection from an `xarray.DataArray`.
     variable = point.variables[name]
     values = variable.values
     if "statistic" in variable.dims:

@@ -27,9 +27,8 @@ from stiction.study.interfaces import INTERVAL_COVERAGE, InterfaceStrength, find
 if TYPE_CHECKING:
     import xarray as xr
 
-# Minimum number of input samples, even for many displacements.
 MIN_INPUT_SAMPLES = 2**10
-# Maximum product of the numbers of input samples and of displacements, which determines the required memory.
+# The product of the numbers of input samples and of displacements determines the required memory.
 MAX_CURVE_VALUE_COUNT = 2**21
 CONTACT_INPUTS = ("hardness", "effective_modulus")
 """Names of the inputs that change the contacts themselves, so that the shear test is repeated at their limits."""
@@ -43,7 +42,7 @@ CURVE_NAMES = ("friction_coefficient", "shear_stress", "dilation")
 SHEAR_INTERVAL_ATTRIBUTES = ("peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa", "end")
 """Names of the dataset attributes of a shear test that have an interval."""
 
-# Arrays of quantities by name. The first axis runs over random samples of the inputs, or over strips of the faces.
+# The first axis of each array runs over random samples of the inputs, or over strips of the faces.
 _Samples = dict[str, Floats]
 
 

@@ -41,58 +41,43 @@ from stiction.mechanics.half_space_problem import (
 )
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
 
-# The iteration of the attraction is accelerated: after this number of plain steps, one step is extrapolated.
-# The plain steps damp oscillations.
+# Plain steps of the iteration of the attraction damp oscillations between two extrapolated steps.
 NUM_UNACCELERATED_STEPS = 2
-# Maximum length of an extrapolated step, divided by the length of the last change of the attraction.
 MAX_EXTRAPOLATION_FACTOR = 10.0
-# Maximum number of contact solutions for one external load, including jumps between equilibria.
 MAX_SOLVES_PER_LOAD = 2000
-# Maximum number of contact solutions of maps under one external load before the energy is minimized instead.
-# Hard bodies converge with fewer solutions. For soft bodies, the energy minimization takes fewer iterations.
+# For soft bodies, the energy minimization takes fewer iterations than further contact solutions.
 MAX_SOLVES_BEFORE_MINIMIZATION = 6
 MAX_SOLVES_PER_CONTACT_LOAD = 60
-# Maximum number of contact solutions of maps for one contact load in the search for the pull-off load.
-# If the attraction converges slowly, as for soft bodies, energy minimizations are faster.
 MAX_SOLVES_PER_TRIAL_CONTACT_LOAD = 12
-# After this number of contact solutions without a smaller residual, the tolerance of the solutions is reduced.
 MAX_STALLED_SOLVES = 20
-# The attraction has converged if its relative residual is at most this multiple of the solver tolerance.
 MAX_RESIDUAL_TO_TOLERANCE_RATIO = 10.0
-# Smallest tolerance of a contact solution. Round-off may prevent convergence to smaller tolerances.
+# Round-off may prevent the convergence of a contact solution to a smaller tolerance.
 MIN_SOLUTION_TOLERANCE = 1e-8
-# Tolerance of a contact solution, divided by the latest residual of the iteration.
 TOLERANCE_TO_RESIDUAL_RATIO = 0.05
-# Tolerance of a contact solution, divided by the latest residual, in an iteration without extrapolated steps.
-# The tolerance may be large, because errors of a contact solution do not grow in plain steps.
+# Without extrapolated steps, errors of a contact solution do not grow, so that its tolerance may be large.
 PLAIN_TOLERANCE_TO_RESIDUAL_RATIO = 1.0
 MAX_SOLUTION_TOLERANCE = 1e-3
-# While the bodies separate, the attraction may rise by this fraction of its maximum, due to numerical errors.
+# Numerical errors may raise the attraction by this fraction of its maximum while the bodies separate.
 MAX_NUMERICAL_ATTRACTION_INCREASE = 1e-3
 # Bodies count as separate if the contact load is below this fraction of the mean attraction at first contact.
 MIN_CONTACT_LOAD_RATIO = 1e-3
-# Ratio of each contact load to the previous contact load while the bodies are separated.
 CONTACT_LOAD_REDUCTION_RATIO = 0.6
-# Relative tolerance of the pull-off load.
-# The search ends if the bodies separate at a load that is below the lowest equilibrium load by this fraction.
+# The search for the pull-off load ends if the bodies separate within this fraction of the lowest equilibrium load.
 PULL_OFF_LOAD_TOLERANCE = 0.01
 # A pull-off load is confirmed if plain steps separate the bodies at an external load that is lower by this fraction.
 LOAD_MARGIN_OF_MINIMUM_CHECK = 0.05
 # Interpolation between equilibria continues only if the predicted load is below every computed load by this fraction.
 MIN_PREDICTED_LOAD_DECREASE = 0.003
-# Two equilibria are interpolated only if their contact loads differ by at least this fraction.
+# Equilibria whose contact loads differ by a smaller fraction are too close to each other for interpolation.
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
-# Maximum number of equilibria that are computed at interpolated contact loads.
 MAX_REFINEMENT_SOLVES = 6
-# A separation shows that a load has no equilibrium only if the load was changed by at most this fraction.
+# After a larger relative change of the external load, a separation may have passed equilibria.
 MAX_LOAD_STEP = 0.1
-# Maximum number of external loads that the search for the pull-off load tries.
 MAX_TRIAL_LOADS = 40
-# The pull-off load is first searched on a coarser grid if each side of the grid has at least this number of points.
+# Each side of the grid must have this number of points for a first search for the pull-off load on a coarser grid.
 MIN_COARSENED_POINTS = 128
 
 MAX_MINIMIZATION_STEPS = 10_000
-# The energy is minimized until the residual is below this fraction of the accepted residual of the attraction.
 MINIMIZATION_TO_ACCEPTED_RESIDUAL_RATIO = 0.5
 
 
@@ -115,7 +100,6 @@ class _IterationState:
     stalled_count: int = 0
     number: int = 0
 
-    # Number of states, best state and residuals, from which the caller decides when to stop the iteration.
     num_states: int = 0
     best_state: AdhesionState | None = None
     best_state_number: int = 0
@@ -170,7 +154,6 @@ class AdhesionSolver:
             tolerance,
             MAX_RESIDUAL_TO_TOLERANCE_RATIO * tolerance,
         )
-        # `uncertainty_reason` states why the pull-off load is uncertain, and is empty if the load is certain.
         self.range, self.uncertainty_reason = problem.adhesion_range, ""
         self.max_attraction = problem.work_of_adhesion / self.range
         self.bound = np.array([np.inf if problem.hardness is None else problem.hardness])
@@ -410,11 +393,10 @@ class AdhesionSolver:
         states = self.refine_minimum_load(self.extend_unloading_states(states))
         if self._is_minimum_certain(states, first_states[-1]):
             return states
-        # An equilibrium that was computed for a contact load may be unstable under its external load.
-        # Energy minimizations may start only from equilibria that are stable under their external load.
+        # Energy minimizations start from no equilibrium at a contact load: it may be unstable under its external load.
         states, stable_states = [*first_states, find_state_of_lowest_load(states)], list(first_states)
-        # An external load is (contact load) - (mean attraction). Contact loads are positive, and attraction decreases,
-        # so no later load can be below -(mean attraction of an earlier state).
+        # Contact loads are positive and the attraction decreases, so later loads exceed -(mean attraction of earlier
+        # states).
         unsupported_load, is_certain = -first_states[-1].mean_attraction, True
         try:
             first_load = self._find_pull_off_load_on_coarser_grid(start)

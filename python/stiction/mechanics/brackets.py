@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 # Smallest assumed change of ln κ by a finer scan (95 % limit), where κ = A E* h'/F is the area coefficient.
 MIN_LOG_KAPPA_SPREAD = 0.1
-# Wavelengths for which the rms gradient is extrapolated, as fractions of the shortest wavelength of the scan.
 EXTRAPOLATED_WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 

@@ -28,8 +28,7 @@ from stiction.mechanics.model import (
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-# A gap counts as constant along an axis if it varies along this axis by less than this fraction of its total range.
-_GROOVE_TOLERANCE = 1e-9
+_GROOVE_TOLERANCE_TO_GAP_RANGE = 1e-9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -162,7 +161,7 @@ def candidates(
         # The minima of a gap that is constant along one axis are lines instead of points.
         gap = upper.heights - lower.heights
         for axis, along, across in ((0, "y", "rows"), (1, "x", "columns")):
-            if float(np.ptp(gap, axis=axis).max()) < _GROOVE_TOLERANCE * float(np.ptp(gap)):
+            if float(np.ptp(gap, axis=axis).max()) < _GROOVE_TOLERANCE_TO_GAP_RANGE * float(np.ptp(gap)):
                 raise ValueError(
                     f"the gap between the upper and the lower surface must vary along {along}, because otherwise its "
                     f"minima are lines instead of points; extract {across} of both surfaces and press them as "

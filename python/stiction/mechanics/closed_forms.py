@@ -25,8 +25,7 @@ from stiction.mechanics.model import SlidingRule
 
 # Number of bisections after which the logarithm of an ellipse's axis ratio is exact to the last bit.
 _NUM_BISECTIONS = 64
-# A specified rms slope may exceed the rms gradient by at most this fraction, which is round-off.
-_SLOPE_TOLERANCE = 1e-9
+_SLOPE_ROUND_OFF_TOLERANCE = 1e-9
 # Standard deviation of the slopes s below which a short series gives the mean of (1 + s²)^(1/2) with full precision.
 _SMALL_SLOPE_LIMIT = 1e-3
 
@@ -969,7 +968,7 @@ def gentle_friction(
     mean_secant, mean_cosine = np.ones(()), np.ones(())
     if order == 2:
         transverse_mean_square = gradient**2 - slope**2
-        if not (transverse_mean_square >= -_SLOPE_TOLERANCE * gradient**2).all():
+        if not (transverse_mean_square >= -_SLOPE_ROUND_OFF_TOLERANCE * gradient**2).all():
             raise ValueError(
                 f"rms_slope must be at most rms_gradient, got {short_repr(rms_slope)} and {short_repr(rms_gradient)}"
             )

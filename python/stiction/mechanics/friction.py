@@ -291,7 +291,6 @@ def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, shear_ratio: Any) -> F
     with np.errstate(invalid="ignore"):
         x = np.fmax(2 * margin / (linear_coefficient + np.sqrt(linear_coefficient**2 + 8 * margin)), 0.0)
         x = np.minimum(x, np.sqrt(0.5))
-        # If all interfaces are stronger than the softer body, x is 0, and no iteration is needed.
         for _ in range(NUM_PRESSURE_STEPS if x.any() else 0):
             cosine = np.sqrt(1 - x**2)
             residual = margin - 2 * x**2 - slope * (2 * np.arcsin(x) + 2 * x * cosine)
@@ -557,7 +556,6 @@ class FrictionCurve(PlotReprMixin):
         if mu0 is None:
             return draw_contact_area(axes_or_new_axes(ax), self.normal_elastic, self.contact_area)
         coefficient = self.friction_coefficient(mu0=mu0, tau0=tau0)
-        # Load curves of profiles have no attribute `direction`.
         direction = getattr(self, "direction", 0.0)
         return draw_friction(
             axes_or_new_axes(ax), self.normal_elastic, coefficient, mu0=mu0, tau0=tau0, direction=direction
@@ -597,7 +595,7 @@ def statuses_of_approaches(contact_count: ArrayLike, normal: Floats) -> NDArray[
     return choose_statuses(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 
-# Largest accepted mu0, and largest accepted tau0 in GPa. Larger numbers may overflow.
+# Larger mu0, and larger tau0 (GPa), may overflow.
 MAX_FRICTION_PARAMETER = 1e12
 
 

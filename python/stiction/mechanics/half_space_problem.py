@@ -32,11 +32,9 @@ Kernels for so many points take 35 MB, and the arrays of the solver 46 MB per th
 quarter of the time of solving a contact with free boundaries.
 """
 
-# A trial tilt displaces the edge of the surface by this fraction of the mean displacement due to the load.
 TRIAL_TILT_TO_MEAN_DISPLACEMENT_RATIO = 0.01
-# Relative tolerance of the solver for a linear response, in which the set of contact points is fixed.
 LINEAR_RESPONSE_TOLERANCE = 1e-7
-# Upper limit of the pressures in a linear response to a mean pressure of 1. No pressure comes near this limit.
+# No pressure in a linear response to a mean pressure of 1 comes near this limit.
 MAX_LINEAR_RESPONSE_PRESSURE = 1e9
 MAX_CELL_ASPECT_RATIO = 1e6
 
@@ -73,7 +71,7 @@ def _unpickle_grids(
     return get_half_space_grids(shape, spacing, effective_modulus, periodic=periodic)
 
 
-# Grids are pickled without kernels. The process that unpickles the grids computes the kernels again.
+# Grids are pickled without kernels, which the process that unpickles them computes again.
 copyreg.pickle(_core.HalfSpaceGrids, lambda grids: (_unpickle_grids, _keys_by_grids[grids]))
 
 
@@ -105,11 +103,9 @@ class HalfSpaceProblem:
     hardness: float | None
     work_of_adhesion: float = 0.0
     adhesion_range: float = 0.0
-    # True at points where the surfaces cannot touch, because the height of either surface is missing.
     missing: NDArray[np.bool_] | None = None
     # Tilt of the upper surface about its centre, as slopes: along y and x for maps, along x for profiles.
     tilt: Floats | float = 0.0
-    # True if the upper surface tilts freely, so that the resultant force acts at its centre.
     has_free_tilt: bool = False
 
     @property
@@ -288,7 +284,6 @@ class ContactSolution:
             return np.nan
         if problem.periodic and problem.missing is None:
             return self._compute_stiffness(free_mask) / problem.nominal_area
-        # The closure is the approach minus the mean displacement, both under a nominal pressure of 1 GPa.
         # By reciprocity, the mean displacement is Σ (contact pressure · displacement under uniform pressure).
         approach_at_unit_pressure_sum, mean_displacement = self._get_compliances(free_mask)
         closure = approach_at_unit_pressure_sum * problem.nominal_area / problem.cell_area - mean_displacement
@@ -412,8 +407,7 @@ def make_problem(
     )
 
 
-# Minimum number of grid points in the process zone E* ρ²/w at the edge of an adhesive contact.
-# With fewer points, the adhesive contact solution depends on the grid.
+# With fewer points in the process zone E* ρ²/w at its edge, an adhesive contact depends on the grid.
 MIN_PROCESS_ZONE_POINTS = 2.0
 
 
@@ -516,16 +510,13 @@ def lever_arms(problem: HalfSpaceProblem) -> list[Floats]:
 class TiltResponse:
     """Linear response of contact points to a mean pressure and to a tilt: changes of pressure, approach and moment."""
 
-    # Pressures (GPa) at the contact points due to a mean pressure of 1 GPa.
+    # Contact pressures (GPa), approach (µm) and moments per area about n axes (GPa µm) at a mean pressure of 1 GPa.
     pressure: Floats
-    # Approach (µm) due to a mean pressure of 1 GPa.
     approach: float
-    # Moments (GPa µm) about each of n axes, due to a mean pressure of 1 GPa.
     moments: Floats
     # Change of the contact pressures (GPa) per unit slope of the upper surface along each axis, at constant load.
     slope_pressures: list[Floats]
-    # Change of the moments about n axes per unit slope along n axes, as an n × n matrix.
-    # The matrix is negative definite if several points touch.
+    # Change of the moments about n axes per unit slope along n axes: n × n, negative definite if several points touch.
     moments_per_slope: Floats
 
     @classmethod
@@ -586,9 +577,8 @@ class ContactSolver:
         max_pressure = np.array([np.inf if problem.hardness is None else problem.hardness])
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
-            # Missing points get a gap that never closes.
-            # The gaps of missing points increase the standard deviation, by which the core multiplies its tolerance.
-            # `scale` compensates this increase of the standard deviation of the gap.
+            # Missing points get a gap that never closes; `scale` compensates their effect on the tolerance, which is
+            # relative to the gap's deviation.
             measured_gap = gap[~missing]
             mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.nominal_area)))
             gap = np.where(

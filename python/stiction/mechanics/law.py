@@ -118,7 +118,7 @@ class JacksonGreen(ContactLaw):
 
 
 CONTACT_LAWS: tuple[type[ContactLaw], ...] = (HertzSphere, HertzCylinder, JacksonGreen)
-# Contact laws that have no required parameters, so that a study can specify the laws by their names alone.
+# Contact laws without required parameters, which a study can specify by their names alone.
 LawName = Literal["hertz-sphere", "hertz-cylinder"]
 CONTACT_LAWS_BY_NAME: dict[str, ContactLaw] = {
     law.name: law() for law in CONTACT_LAWS if all(item.default is not MISSING for item in fields(law))

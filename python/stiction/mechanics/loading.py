@@ -24,16 +24,12 @@ from stiction.mechanics.model import (
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-# Smallest approach that is computed, as a fraction of the range of the gap.
-# At smaller approaches, a single contact carries the whole load.
+# At approaches below this fraction of the gap's range, a single contact carries the whole load.
 _MIN_APPROACH_TO_GAP_RANGE = 1e-6
-# Ratio of successive approaches in the search for a load.
-# If the load crosses a requested load twice between two approaches, both crossings are missed.
+# If the load crosses a requested load twice between two successive approaches, both crossings are missed.
 _SUCCESSIVE_APPROACH_RATIO = 1.1
-# Number of approaches that are computed together.
 # Larger approaches take longer, so the computation stops after the batch in which all loads are reached.
 _APPROACHES_PER_BATCH = 16
-# Approach up to which contact candidates are searched for, as a multiple of the largest requested approach.
 _CANDIDATE_APPROACH_FACTOR = 5.0
 
 
@@ -184,7 +180,6 @@ def find_approaches_at_loads(
     is_pending = ~is_exceeded
     lower_approach, upper_approach = np.full(loads.size, np.nan), np.full(loads.size, np.nan)
     has_touched = bool(contact_sums.contact_count.any())
-    # The largest approach is the approach at which all points touch.
     # If the surfaces are parallel, `max_approach` is 0, and no approach is computed.
     max_approach = float(np.ptp(bodies.upper.heights - bodies.lower.heights))
     num_approaches = (

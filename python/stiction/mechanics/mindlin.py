@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from stiction.mechanics.contact import Contacts
     from stiction.mechanics.half_space_problem import ContactSolution
 
-# The upper limits of the tractions count as uniform if they differ by at most this fraction.
 TRACTION_UNIFORMITY_TOLERANCE = 1e-12
 NUM_QUADRATURE_NODES = 24
 
@@ -66,8 +65,7 @@ def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
     from scipy.special import ellipkm1, elliprd
 
     squared_axis_ratio = (axes[:, 1] / axes[:, 0]) ** 2
-    # The mean squared cosine of the angle to the larger axis is (K - E)/(m K).
-    # K and E are the complete elliptic integrals of m = 1 - b²/a².
+    # The mean squared cosine of the angle to the larger axis is (K(m) - E(m))/(m K(m)) with m = 1 - b²/a².
     longitudinal_fraction = elliprd(0, squared_axis_ratio, 1) / 3 / ellipkm1(squared_axis_ratio)
     return np.asarray(longitudinal_fraction * np.sin(angle) ** 2 + (1 - longitudinal_fraction) * np.cos(angle) ** 2)
 
@@ -105,14 +103,13 @@ class AsperityTangentialProblem:
         self.normal_load = float(load.sum())
         self.sliding_load = float(law.force(load.sum(), area.sum()))
         self.stiffness = float(self.spring_stiffness.sum())
-        # Displacement of each contact at and above which the whole contact slides.
         self.sliding_displacement = 2 * self._spring_strengths(np.ones((load.size, 1)))[:, 0] / self.spring_stiffness
 
     def at(self, load: float, near: SlipState | None = None) -> SlipState:
         """Return the slip state in which all contacts together support a tangential load (mN)."""
         from scipy.optimize import brentq
 
-        # The argument `near`, a guess for iterative methods, is not used, because the solution here is explicit.
+        # The solution is explicit, so it needs no initial guess.
         del near
         max_displacement = float(self.sliding_displacement.max())
         displacement = max_displacement

@@ -29,7 +29,6 @@ SlidingRule = Literal["opposing", "all"]
 DEFAULT_EFFECTIVE_MODULUS = 10.0
 PROFILE_WIDTH = 1.0  # µm
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-# Two heights count as equal if they differ by less than this fraction of the height range.
 _SAME_HEIGHT_TOLERANCE = 1e-9
 
 

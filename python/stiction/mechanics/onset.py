@@ -28,11 +28,9 @@ if TYPE_CHECKING:
 
     from stiction.mechanics.presliding import FourParameterIwan, LuGre
 
-# Two tangential loads get the same solution if they differ by at most this fraction of the sliding load.
+# The tolerances are fractions of the load or displacement at the onset of sliding.
 LOAD_TOLERANCE = 1e-9
-# Tangential loads and displacements count as round-off below this fraction of the load and displacement at sliding.
 MIN_SLIDING_FRACTION = 1e-12
-# Tolerance of a requested displacement, as a fraction of the displacement at the onset of sliding.
 DISPLACEMENT_TOLERANCE = 1e-7
 
 

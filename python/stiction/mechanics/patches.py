@@ -32,27 +32,22 @@ def grid_slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) 
 class PatchSums:
     """Forces and areas of each contact patch in k contact solutions, from which loads follow for any mu0 and tau0.
 
+    A patch has the force F along its normal n, the area A, and friction of mu0 F + tau0 A along its tangent t; the
+    slider moves along s.
+
     Patches are stored contact by contact. Arrays have the shape (patches,) or, if they depend on the direction,
     (directions, patches).
     """
 
-    # Vertical component of the contact forces, Σ F n_z (mN).
-    force: Floats
-    # Contact area, measured along the deformed interface (µm²).
-    area: Floats
-    # Component of the contact forces against the motion, -Σ F s·n (mN).
-    leaning: Floats
-    # Vertical component of the friction due to mu0, divided by mu0: Σ F t_z (mN).
-    upward: Floats
-    # Component of the friction due to mu0 against the motion, divided by mu0: -Σ F s·t (mN).
-    forward: Floats
-    # Vertical component of the friction due to tau0, divided by tau0: Σ A t_z (µm²).
-    upward_area: Floats
-    # Component of the friction due to tau0 against the motion, divided by tau0: -Σ A s·t (µm²).
-    forward_area: Floats
+    force: Floats  # Σ F n_z, mN
+    area: Floats  # along the deformed interface, µm²
+    leaning: Floats  # -Σ F s·n, mN
+    upward: Floats  # Σ F t_z, mN
+    forward: Floats  # -Σ F s·t, mN
+    upward_area: Floats  # Σ A t_z, µm²
+    forward_area: Floats  # -Σ A s·t, µm²
     # Rms slope of the area of each of k contacts, weighted by the contact force.
     steepness: Floats
-    # Index of the first patch of each contact.
     first_patch: NDArray[np.int64]
 
     @classmethod

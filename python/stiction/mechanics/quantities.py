@@ -57,35 +57,26 @@ class ResultQuantity:
     """Description of a quantity, coordinate or dimension of a result: unit, labels, kind and dimensions."""
 
     unit: str
-    # Phrase for a quantity in axis labels and in the `long_name` of a variable.
     words: str
-    # Shorter phrase for a quantity in tables, if `words` is too long.
     short_words: str = ""
-    # Symbol of a quantity in TeX notation.
     symbol: str = ""
     kind: QuantityKind
     along: tuple[QuantityAxis, ...] = ()
     dtype: type = float
-    # Name of the quantity that is the numerator, if this quantity is a ratio such as a stiffness per area.
     numerator: str = ""
     # Names of the quantities whose sum is the denominator of a validity indicator.
     denominator: tuple[str, ...] = ()
-    # Name of the same sum under load, if this quantity is a sum at zero load.
     sum_under_load: str = ""
-    # Range to which the limits of the quantity's interval are clipped.
     bounds: tuple[float, float] = (-math.inf, math.inf)
-    # Range of the numbers that a result may store. Infinite numbers are allowed if a limit of the range is infinite.
+    # A result may store infinite numbers if a limit of this range is infinite.
     stored_bounds: tuple[float, float] = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
     interval_kind: EstimateKind = "mean"
-    # True if tables and reports show the quantity in percent.
     percent: bool = False
-    # Unit of the quantity in spreadsheets, if it differs from `unit`.
     column_unit: str = ""
     column_factor: float = 1.0
-    # True if the quantity is roughly proportional to the load.
-    # A proportional quantity is divided by the load and then interpolated, linearly in the logarithm of the load.
+    # True if the ratio of the quantity to the load is interpolated, linearly in the logarithm of the load.
     proportional: bool = False
-    # Instead of a proportional quantity, its ratio to the load is interpolated, linearly in the logarithm of the load.
+    # False if the quantity is not proportional to the load between adhesive bodies.
     proportional_with_adhesion: bool = True
     # True if the mean of the quantity over an ensemble is weighted by the load.
     weighted: bool = False
@@ -95,7 +86,6 @@ class ResultQuantity:
     # True if results of earlier versions do not contain the quantity, which is then NaN.
     is_optional: bool = False
     shown: frozenset[OutputView] = frozenset()
-    # True if reports leave out the quantity when it is 0 everywhere.
     is_omitted_if_zero: bool = False
 
     @property
@@ -124,7 +114,6 @@ _STEP_DIMENSION: tuple[QuantityAxis, ...] = ("step",)
 _MOTION_DIMENSIONS: tuple[QuantityAxis, ...] = ("sliding", "direction")
 _FRICTION_DIMENSIONS: tuple[QuantityAxis, ...] = (*_MOTION_DIMENSIONS, "step", "mu0", "tau0")
 _MEAN_FRICTION_DIMENSIONS: tuple[QuantityAxis, ...] = ("sliding", "step", "mu0", "tau0")
-# Round-off may raise a stored fraction above 1 by at most this amount.
 _FRACTION_ROUND_OFF = 1e-6
 _STORED_FRACTION_RANGE = (0.0, 1.0 + _FRACTION_ROUND_OFF)
 _UNRESTRICTED_STORED_RANGE = (-MAX_STORED_VALUE, MAX_STORED_VALUE)

@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 TYPICAL_HARDNESSES = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 """Default hardnesses (GPa) for which the plastic wavelength is computed, from polymers and soft metals to ceramics."""
 
-# Longest default cutoff wavelength, as a fraction of the shortest side of the surfaces.
 _MAX_CUTOFF_RATIO = 1 / 30
 # The first sliding rule is "all", because most measured mu0 refer to friction at all contacts.
 _SLIDING_RULES: tuple[SlidingRule, ...] = ("all", "opposing")
@@ -38,9 +37,7 @@ _FOUR_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
 _PLASTIC_WAVELENGTH_DESCRIPTION = "wavelength at which the elastic mean pressure reaches the hardness"
 # The area coefficient κ = A E* h'/F at small loads. On Gaussian maps, κ is 2.05 to 2.5.
 KAPPA_AT_SMALL_LOADS = 2.2
-# Attributes of a load curve that contain one number per load, equal for all directions of motion.
 _DIRECTION_INDEPENDENT_FIELDS = ("contact_area", "contact_count", "load_share_at_hardness", "error")
-# Result variables whose name differs from the load-curve attribute. The key is the attribute.
 _VARIABLE_NAMES_BY_FIELD = {"load_share_at_hardness": "load_fraction_at_hardness"}
 
 

@@ -48,15 +48,12 @@ MIN_OVERLAP_POINTS = 16
 MIN_STRIP_POINTS, MIN_STRIPS, MAX_STRIPS = 32, 4, 8
 """Minimum width of a strip in points; minimum and maximum number of strips into which faces are cut by default."""
 
-# Each strip of a face must have at least this fraction of the mean area of the strips.
 MIN_STRIP_AREA_FRACTION = 0.5
 
 NORMAL_LOAD_TOLERANCE = 1e-4
 """Accepted deviation of the normal load from its target, as a fraction of the initial load."""
 
-# Maximum number of contact solutions for one shear displacement.
 MAX_SOLUTIONS_PER_DISPLACEMENT = 40
-# Maximum ratio of the elastic loads of two consecutive contact solutions in the search for the normal load.
 MAX_LOAD_STEP_RATIO = 4.0
 # The faces of a joint lock if the elastic load exceeds this multiple of the required normal load.
 MAX_ELASTIC_LOAD_RATIO = 100.0
@@ -336,8 +333,7 @@ class ShearBox:
         max_load = math.inf if self.hardness is None else self.hardness * overlap_area
         rows: list[StepResult] = []
         if self.stiffness and first_row is not None and not math.isfinite(float(first_row["height"])):
-            # With a stiffness, the normal load depends on the dilation, which is measured from the first height.
-            # If the height at the first offset is unknown, the normal load is unknown, too.
+            # With a stiffness, the normal load depends on the first height, and is unknown if this height is unknown.
             missing_values = dict.fromkeys((*_STEP_QUANTITIES, "elastic_load"), math.nan)
             return missing_values | {"overlap_area": overlap_area, "status": STATUS_NOT_SOLVED}
 
@@ -475,7 +471,6 @@ class ShearBox:
 
         columns = {name: np.array([float(row[name]) for row in rows]) for name in _STEP_QUANTITIES}
         normal, tangential = (self.law.load(load, columns) for load in ("normal", "tangential"))
-        # A tangential load below the tolerance of the solver counts as 0.
         tangential = np.where(np.abs(tangential) > self.tolerance * normal, tangential, 0.0)
         coefficient, status = tangential / normal, np.array([str(row["status"]) for row in rows], STATUS_DTYPE)
         status[coefficient < 0] = STATUS_DOWNHILL
@@ -531,7 +526,6 @@ def _search_elastic_load(
     `compare_load` returns the excess of the normal load over its target, and the target, at an elastic load (mN). The
     method is a bracketed secant method. The last call of `compare_load` is at the elastic load that was found.
     """
-    # Limits (mN) between which the elastic load is searched for.
     lower_load_limit, upper_load_limit = 0.0, max_load
     trial_load, last_trial = min(load_guess, 0.9 * max_load), None
     for _ in range(MAX_SOLUTIONS_PER_DISPLACEMENT):

@@ -31,15 +31,13 @@ from stiction.mechanics.half_space_problem import (
 )
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
 
-# Largest distance of the resultant force from the centre along an axis, as a fraction of the side length.
 MAX_RELATIVE_FORCE_OFFSET = 1e-4
 MAX_TILT_SOLVES_PER_LOAD = 60
 # Largest displacement of the surface's edge by one change of the tilt, in standard deviations of the gap.
 MAX_EDGE_DISPLACEMENT_STEP = 0.5
-# Number that is added to the moment per unit slope, so that Newton's equations have a solution.
-# The unit of the number is (mean pressure) · (side length)² / (standard deviation of the gap).
+# Keeps Newton's equations solvable, in units of (mean pressure) · (side length)² / (standard deviation of the gap).
 ADDED_MOMENT_PER_SLOPE = 1e-6
-# If the search for the tilt starts from rigid surfaces: tolerance of displacements, relative to the largest.
+# In a search for the tilt from rigid surfaces, tolerance of displacements relative to the largest displacement.
 INDENTATION_TOLERANCE = 1e-6
 MAX_CUTTING_PLANES = 200
 # Accepted error of the potential energy of rigid surfaces, as a fraction of (load) · (range of the gap).
@@ -95,7 +93,7 @@ def solve_with_balanced_tilt(
             slope_step *= min(
                 1.0, MAX_EDGE_DISPLACEMENT_STEP * gap_deviation / float(np.abs(slope_step * side_lengths / 2).max())
             )
-            # A change of the tilt far beyond the maximum of the energy reverses the moments. Such a change is halved.
+            # A change of the tilt far beyond the maximum of the energy reverses the moments, and is halved.
             while num_tried < MAX_TILT_SOLVES_PER_LOAD:
                 num_tried += 1
                 candidate = solve_contact_and_moments(
@@ -115,8 +113,7 @@ def solve_with_balanced_tilt(
         near = None if last_solution is None else last_solution.on_grid(last_solution.values).ravel()
         contact_solution = search_balance(start, load, near, tolerance)
         if contact_solution is None:
-            # At low loads, the surfaces touch at few points, and the moments change abruptly with the tilt.
-            # A second search for the tilt starts from rigid surfaces, with a finer tolerance.
+            # At low loads, the moments change abruptly with the tilt: a second search starts from rigid surfaces.
             rigid_problem = apply_tilt(start, find_rigid_tilt(start, load / start.cell_area))
             touching_solution = solve_contact_and_moments(rigid_problem, load, None, tolerance)[0]
             displacement = start.grids.displacement(

@@ -19,7 +19,6 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     from stiction.mechanics.half_space_problem import ContactSolution
 
-# Fraction of a body's grid points that count as steep: the points with the largest slopes.
 STEEP_POINT_FRACTION = 0.1
 
 QUANTILE_PROBABILITIES = tuple(round(0.05 * step, 2) for step in range(1, 20))
@@ -34,7 +33,6 @@ class PairSlopeStatistics:
     """Slopes of two bodies and of their gap: masks of each body's steep points, and mean square slopes of the gap."""
 
     steep_masks: dict[str, NDArray[np.bool_]]
-    # Smallest slope of the steep points of each body.
     steepness_limits: dict[str, float]
     # Mean square slopes of the gap: along y and x for maps, along x for profiles.
     gap_mean_squares: list[float]
@@ -97,25 +95,19 @@ def compute_slopes(body: Profile | Surface) -> list[Floats]:
 class ContactList:
     """Arrays with one item per contact between two bodies at one load, and the distribution of contact pressure."""
 
-    # Pressure-weighted position (µm) of each contact along x.
+    # Pressure-weighted positions of each contact (µm); y and the slope along y are 0 for profiles.
     x: Floats
-    # Pressure-weighted position (µm) of each contact along y, or 0 for profiles.
     y: Floats
-    # Normal force on each contact (mN).
-    force: Floats
-    # Projected area of each contact (µm²).
-    area: Floats
-    # Mean slope of each contact along x. A contact opposes motion in the direction in which its slope is positive.
+    force: Floats  # mN
+    area: Floats  # projected, µm²
+    # A contact opposes motion in the direction in which its mean slope is positive.
     slope_x: Floats
-    # Mean slope of each contact along y, or 0 for profiles.
     slope_y: Floats
-    # Number of grid cells that each contact covers, which need not be a whole number for asperities.
+    # The number of grid cells of an asperity need not be a whole number.
     cells: Floats
-    # True for each contact that reaches the edge of the grid.
     at_edge: NDArray[np.bool_]
-    # Contact pressures (GPa) whose distribution is evaluated. Each pressure has a weight in `weight`.
+    # Contact pressures (GPa), each with a weight proportional to the area with this pressure.
     pressure: Floats
-    # Weight of each contact pressure, proportional to the area with this pressure.
     weight: Floats
 
     def compute_statistics(self) -> dict[str, Any]:

@@ -36,8 +36,7 @@ CONNECTION_TIMEOUT = "15s"
 # Number of the operation PR_SET_PDEATHSIG of the Linux function prctl.
 _SET_PARENT_DEATH_SIGNAL = 1
 PROGRESS_PREFIX = "progress: "
-# Time (s) between two printed lines of progress if the output is not a terminal.
-PROGRESS_LINE_INTERVAL = 60.0
+PROGRESS_LINE_INTERVAL = 60.0  # s
 
 
 @contextlib.contextmanager
@@ -203,7 +202,6 @@ def progress_bar(
             nonlocal num_finished, last_time, show_progress, may_show_bar
             num_finished += count
             completed, current_time = num_finished + estimate_progress(), time.monotonic()
-            # The workers compute while this thread imports the package that draws the progress bar.
             remaining_time = (
                 (current_time - start_time) * (total - completed) / (completed - finished)
                 if completed > finished

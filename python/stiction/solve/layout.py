@@ -34,8 +34,7 @@ if TYPE_CHECKING:
     import xarray
 
 RESULT_TITLE = "stiction study"
-# Maximum size (bytes) of a group of members that are loaded into memory together.
-MAX_PIECE_BYTES = 2**26
+MAX_PIECE_BYTES = 2**26  # bytes
 
 MEMBER_COORDINATE_TYPES: dict[str, np.dtype[Any]] = {
     "x": np.dtype(np.float64), "y": np.dtype(np.float64), "line": np.dtype(np.int64), "surrogate": np.dtype(np.bool_),

@@ -215,7 +215,7 @@ def _solve_asperities(
     a load within a jump are interpolated between the states just before and just after the jump.
     """
     model, is_areal = contact.contact_model(), isinstance(upper, Surface)
-    # Two maps have one load curve for all directions of motion. Two profiles have one load curve per direction.
+    # Two maps have one load curve for all directions of motion, two profiles one load curve per direction.
     if is_areal:
         models = [replace(model, direction=contact.direction_angles().tolist(), shear="+x").for_surfaces()]
     else:
@@ -307,10 +307,8 @@ class PressedPair:
 
     upper: Any
     lower: Any
-    # Load curve with a single load, for motion along +x.
     curve: HalfSpaceCurve | LoadCurve
-    # Contact model of single asperities, or None in the half-space model.
-    model: ContactModel | None = None
+    model: ContactModel | None = None  # None in the half-space model
 
     @classmethod
     def solve(cls, study: Study, pair: tuple[Any, Any], load: float) -> PressedPair | None:
@@ -346,7 +344,6 @@ class PressedPair:
 # ---- Members of a study ----------------------------------------------------------------------------------------------
 
 CACHE_LINE_BYTES = 64  # bytes
-# Tangential load, as a fraction of the sliding load, for which a result stores the normal load on slipping contacts.
 TANGENTIAL_LOAD_FRACTION_OF_STORED_SLIP = 0.5
 
 MEMBER_TIME_COEFFICIENTS = {
@@ -382,8 +379,7 @@ The keys are False for lines and True for maps.
 """
 
 ITERATIONS_PER_LOAD = 15
-# Largest estimated number of iterations of an adhesive contact, for profiles (False) and maps (True).
-# Each step of an energy minimization counts as an iteration.
+# For profiles (False) and maps (True); each step of an energy minimization counts as an iteration.
 MAX_ADHESION_ITERATIONS = {False: 10_700, True: 3100}
 ADHESION_ITERATIONS_AT_UNIT_RATIO = {False: 100_000, True: 5000}
 """Number of iterations for the adhesion of a gap with E* Sq Sdq / (4 w) = 1, for lines (False) and maps (True).

@@ -34,8 +34,7 @@ from stiction.mechanics.solution_record import SolutionRecord, StepResult
 from stiction.study.study import Study
 
 IN_PROGRESS_DIRECTORY = "in_progress"
-# Minimum time (s) between two writes of a member's newly finished steps to disk.
-STORAGE_INTERVAL = 15.0
+STORAGE_INTERVAL = 15.0  # s
 MAX_STEP_BYTES = 2**32
 _STATE_FILE = "state.npz"
 _STEP_FILE_PATTERN = re.compile(r"([0-9]{5,}|state)\.npz")
@@ -187,7 +186,6 @@ class _StoredRecord(SolutionRecord):
         self._is_resuming, self._is_writable = True, True
         self._unsaved_steps: list[tuple[int, StepResult]] = []
         self._last_time = time.monotonic()
-        # Number of solver iterations in all steps before the current step.
         self._first_count = 0
 
     def run_step(self, compute: Callable[[], StepResult], error_type: type[NoSolutionError]) -> StepResult:

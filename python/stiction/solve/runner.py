@@ -56,24 +56,18 @@ from stiction.study.values import StudyError
 if TYPE_CHECKING:
     import xarray
 
-# Target computing time (s) of a block of members.
-# The shorter the computing time of a block, the less work is lost in a crash.
-# A block must take long enough that writing takes only a few per cent of the computing time.
+# Computing time (s) of a block of members: writing it takes a few per cent of this time, and a crash loses little work.
 TARGET_BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
-# Minimum number of blocks in a run, so that no worker waits long for the last block.
+# With many blocks, no worker waits long for the last block of a run.
 MIN_BLOCKS_PER_RUN = 16
-# Minimum computing time (s) of a block. The first block file of each size takes 0.1 s to write.
+# The first block file of each size takes 0.1 s to write.
 MIN_BLOCK_TIME = 0.2
-# Maximum number of tasks that are submitted at the same time, if workers write the block files.
 MAX_SUBMITTED_TASKS = 1000
-# Maximum number of tasks that are submitted at the same time, if the main process writes the block files.
 MAX_TASKS_THAT_RETURN_BLOCKS = 256
 PROGRESS_INTERVAL = 0.5  # s
-# Time (s) that an interrupted run waits for unfinished blocks.
-SHUTDOWN_TIMEOUT = 3.0
-# Maximum size (bytes) of a result that is kept in memory, and maximum size of one repetition of any result.
+SHUTDOWN_TIMEOUT = 3.0  # s
 MAX_BYTES_IN_MEMORY = 2**34
 
 
@@ -318,8 +312,7 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
     return build_dataset(study, range(unfinished_members.total), arrays, find_body_attributes(study))
 
 
-# Estimated time (s) on all threads above which a run prints advice on how to shorten the computation.
-LONG_RUN_TIME = 600.0
+LONG_RUN_TIME = 600.0  # s, on all threads
 
 
 def _describe_remaining_work(
@@ -352,9 +345,7 @@ def _describe_remaining_work(
     )
 
 
-# A new estimate of the run time is printed only if the remaining time (s) is at least this long.
-MIN_REPORTED_TIME = 60.0
-# A new estimate of the run time is printed only if members take at least this many times the estimated time.
+MIN_REPORTED_TIME = 60.0  # s
 MIN_TIME_RATIO_FOR_NEW_ESTIMATE = 1.5
 
 
@@ -412,7 +403,6 @@ def _submit_member_ranges(
     tasks.
     """
     # SciPy is imported before tasks start, because its import may fail if two threads start it at the same time.
-    # Several threads may import SciPy's subpackages at the same time.
     import scipy  # noqa: F401
 
     ranges = iter(unfinished_members)
@@ -456,7 +446,7 @@ class SharedResultDirectory:
     """Result directory into which workers write block files, if a worker can access the directory."""
 
     path: Path
-    # Name of a file in the blocks directory. The file exists until the run ends.
+    # Name of a file in the blocks directory that exists until the run ends.
     token: str
 
     def is_accessible(self) -> bool:

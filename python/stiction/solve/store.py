@@ -84,16 +84,12 @@ if TYPE_CHECKING:
     import xarray
 
 STUDY_FILE = "study.toml"
-# Name of the file of a shear test, which is not the result of a study.
 SHEAR_TEST_FILE_NAME = "shear.nc"
 BLOCKS_DIRECTORY = "blocks"
 # Name of the file in which earlier versions of stiction stored true areas at hardnesses other than that of the study.
 AREAS_BY_HARDNESS_FILE = "hardness.nc"
-# Name of the file with the contact map of a typical member.
 CONTACT_PICTURE_FILE = "picture.nc"
-# Name of the file with the onset of sliding: curves of tangential load against displacement.
 ONSET_FILE = "onset.nc"
-# Name of the file with the mean onset curve as a table. The curve is the backbone curve of a Masing model.
 ONSET_TABLE_FILE = "onset.csv"
 STUDY_FILE_SIGNATURE = "# Written by stiction"
 _STUDY_FILE_HEADER_PATTERN = re.compile(rb"# Written by stiction [^\n]*\. CRC-32 of the text below: ([0-9a-f]{8})\.")
@@ -128,11 +124,8 @@ class StoreInfo:
     """Description of a result directory: study, number of finished members, file size and version."""
 
     study: Study
-    # Number of finished repetitions, out of `study.ensemble.repetitions`.
     finished: int
-    # Size (bytes) of all block files together.
-    size: int
-    # Versions of the programs with which the result was computed, by the name of the program.
+    size: int  # bytes, of all block files
     versions: dict[str, str]
 
 
@@ -808,7 +801,6 @@ def write_block(path: Path, first_member: int, content: bytes, num_members: int)
 
 # ---- The file of a block ---------------------------------------------------------------------------------------------
 
-# Attributes of a result's dataset that do not describe the bodies.
 NON_BODY_ATTRIBUTES = ("title", "study", "stiction_version", "_NCProperties")
 
 CHECKSUM_PREFIX = b"stiction crc32 "
@@ -818,9 +810,7 @@ The checksum is verified first, because HDF5 may never return from reading a dam
 own data, and programs that modify the file remove the checksum.
 """
 
-# Only one thread at a time may create the template file.
 _template_file_lock = threading.Lock()
-# Only one thread at a time may import the packages that encode blocks.
 _dataset_package_import_lock = threading.Lock()
 
 
@@ -829,7 +819,6 @@ class BlockFileContent:
     """Content of a block file: arrays of several members, and the study and version that computed the members."""
 
     study: Study
-    # Version of stiction with which the members were computed.
     version: str
     numbers: NDArray[np.int64]
     arrays: ArraysByName
@@ -1095,7 +1084,6 @@ def _read_variable(file: h5py.File, name: str, shape: tuple[int, ...] | None = N
     """
     import h5py
 
-    # For small variables, low-level functions of h5py take half the time that h5py's classes would take.
     encoded_name = name.encode()
     hdf5_links = file.id.links
     is_stored_here = hdf5_links.exists(encoded_name) and hdf5_links.get_info(encoded_name).type == h5py.h5l.TYPE_HARD

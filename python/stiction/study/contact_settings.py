@@ -67,13 +67,10 @@ from stiction.study.values import (
 
 DEFAULT_DIRECTIONS = tuple(30.0 * step for step in range(12))  # degrees
 MAX_DIRECTIONS = 360
-# Factor by which the load curve of profiles extends beyond the requested loads in the asperity model.
 ASPERITY_LOAD_EXTENSION_FACTOR = 30.0
 NUM_ASPERITY_LOADS = 25
-# Factor by which the load curve of profiles extends beyond the requested loads in the half-plane model.
 HALF_PLANE_LOAD_EXTENSION_FACTOR = 10.0
 NUM_HALF_PLANE_LOADS = 7
-# Maximum ratio of successive loads at which height maps are pressed.
 MAX_AREAL_LOAD_RATIO = 10**0.5
 
 
@@ -698,7 +695,6 @@ def _add_loads_outside_range(given_loads: Floats, margin: float, num_loads: int)
     The progression begins below the smallest given load and ends above the largest, each by the factor `margin`.
     """
     load_series = np.geomspace(given_loads.min() / margin, given_loads.max() * margin, num_loads)
-    # A load of the geometric progression is left out if it nearly equals a given load.
     is_new_load = np.abs(load_series[:, np.newaxis] / given_loads - 1).min(axis=1) > 1e-6
     return np.unique(np.concatenate([given_loads, load_series[is_new_load]]))
 

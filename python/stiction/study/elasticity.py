@@ -20,9 +20,8 @@ from stiction.mechanics.materials import (
     softest_material,
 )
 
-# Number of digits to which Young's modulus, Poisson's ratio and hardness of a material are rounded.
 NUM_MATERIAL_DIGITS = 3
-# Elastic constants are written with this number of digits, so that E* of any two materials has three correct digits.
+# With this number of digits of the elastic constants, E* of any two materials has three correct digits.
 NUM_ELASTIC_CONSTANT_DIGITS = 6
 
 
@@ -35,14 +34,10 @@ class PairElasticity:
     compliance_share: float = 0.5
     poisson_ratio: float | None = None  # of the softer body
     hardness: MaterialValue | None = None  # GPa, of the softer body
-    # Text that describes E* and the materials to the user, if materials are given.
     source: str = ""
     hardness_source: str = ""
-    # Names of the materials of the upper and the lower body.
-    materials: tuple[str, str] | None = None
-    # Poisson's ratios of the upper and the lower body.
-    poisson_ratios: tuple[float, float] | None = None
-    # Message that a material was given under an alternative name.
+    materials: tuple[str, str] | None = None  # upper, lower
+    poisson_ratios: tuple[float, float] | None = None  # upper, lower
     alias_note: str = ""
 
 

@@ -58,14 +58,13 @@ AmplitudeDefinition = Annotated[
 ]
 
 
-# Maximum product of the numbers of directions and frequencies of generated surfaces, which determines the run time.
+# The product of the numbers of directions and frequencies of generated surfaces determines the run time.
 MAX_HARMONICS = 1_000_000
 
 
 class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
     """Keys of `[surfaces]` that all generated surfaces have: fractal dimension and amplitude."""
 
-    # Phrase for the two surfaces in error messages.
     bodies: ClassVar[str] = "generated areas"
     is_areal: ClassVar[bool] = True
     """True if the members are pairs of height maps, and False if they are pairs of profiles."""

@@ -28,10 +28,8 @@ from stiction.study.values import FrictionCoefficients, ShearStrengths
 InputDistribution = Literal["exact", "normal", "log-normal", "uniform"]
 # Half width of the 95 % interval of a normal distribution, in standard deviations.
 Z_95 = 1.959963984540054
-# Number of random samples of each input.
 # With fewer samples, the fractions of two equally uncertain inputs in an uncertainty budget could differ by over 0.01.
 NUM_INPUT_SAMPLES = 2**14
-# Smallest accepted standard uncertainty of an input, relative to its central value.
 MIN_RELATIVE_UNCERTAINTY = 1e-9
 UNCERTAINTY_PATTERN = re.compile(r"\.\.|±|\+/?-|(?<![^\W\d_])(HV|HRC)(?![^\W\d_])")
 """Regular expression that finds a range, an uncertainty or a hardness scale in an input's text."""
@@ -69,17 +67,15 @@ _TRAILING_UNIT_PATTERN = re.compile(r"(?<![^\W\d_])(?!inf\b|nan\b)[^\W\d_]+\s*$"
 # The name of a Vickers scale may contain the test load, as in "HV10" or "HV 0.5".
 _VICKERS_TEST_LOAD_PATTERN = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?![0-9.]*\s*[^\W\d_])")
 InputKind = Literal["", "pressure", "modulus", "hardness"]
-# The largest accepted Poisson's ratio belongs to an incompressible body.
+# An incompressible body has this Poisson's ratio.
 MAX_POISSON_RATIO = 0.5
-# Largest accepted α of junction growth. A von Mises body whose hardness is three times its yield strength has α = 27.
+# A von Mises body whose hardness is three times its yield strength has a junction growth of α = 27.
 MAX_JUNCTION_GROWTH_COEFFICIENT = 100.0
 SLIP_LINE_TEXT = "slip-line"
-# Smallest and largest accepted ratio of hardness to shear strength in slip-line theory.
+# Accepted range in slip-line theory.
 MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5
-# Smallest and largest accepted exponent m of the area of yielding contacts.
-# For fine asperities, m is far above the lower limit. For surfaces with steps, m is below the upper limit.
+# The exponent m of fine asperities is far above the lower limit, that of surfaces with steps below the upper limit.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
-# Largest fraction of the true area that contacts may lose when they are sheared.
 MAX_AREA_LOSS = 0.9
 # At the largest accepted creep exponent, the hardness falls to a third in each decade of time.
 MAX_CREEP_EXPONENT = 0.5
@@ -91,14 +87,11 @@ class UncertainInput:
 
     # Central value of an input: an exact number, or the mean of both limits (geometric mean if log-normal).
     value: float
-    # Lower limit of the 95 % interval of an input, or of its uniform distribution.
+    # Limits of the 95 % interval of an input, or of its uniform distribution.
     low: float
-    # Upper limit of the 95 % interval of an input, or of its uniform distribution.
     high: float
     distribution: InputDistribution
-    # Text of an input as the user wrote it.
     text: str
-    # Largest value that random samples of an input may have.
     maximum: float = math.inf
     # True if the input is the ratio of hardness to shear strength, False if it is α of junction growth.
     uses_slip_lines: bool = False

@@ -22,7 +22,6 @@ from stiction.study.moduli import MODULUS_NAMES, UncertainModulus
 from stiction.study.study import Study
 from stiction.surfaces.pairing import SIDES
 
-# A replaced central value of an input counts as unchanged if both values differ by at most this fraction.
 SAME_VALUE_TOLERANCE = 1e-3
 
 _LABELS = {

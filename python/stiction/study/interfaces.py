@@ -140,22 +140,20 @@ class StrengthFit:
     scale: float
     # P-value of a trend of the residuals with the load, which is small if the law does not fit.
     trend: float
-    # Samples of mu0, each paired with a sample of tau0.
+    # Samples of mu0 and tau0 (GPa) in pairs.
     mu0: Floats
-    # Samples of tau0 (GPa), each paired with a sample of mu0.
     tau0: Floats
-    # Hardness (GPa) of each sample of mu0, or NaN if the tests have different hardnesses.
+    # Hardness (GPa) of each pair of samples, or NaN if the tests have different hardnesses.
     hardness: Floats
-    # Junction growth α of each sample of mu0, or NaN if α differs between tests or has no effect.
+    # Junction growth α of each pair of samples, or NaN if α differs between tests or has no effect.
     junction_growth: Floats
     # Area per load A/F (1/GPa) at the onset of sliding in the tests, or NaN if unknown.
     area_per_load: Floats
-    # Normal scores of the uncertain inputs and of the area errors of the tests, with one score for each sample of mu0.
-    # The functions `shared_input_name` and `area_error_name` return the keys of this dict.
-    # A pair that shares an uncertain input with the tests uses the same scores of this input.
+    # Normal scores of the uncertain inputs and area errors of the tests, by `shared_input_name` and `area_error_name`:
+    # a pair that shares an input with the tests uses the scores of this input.
     scores: Mapping[str, Floats] = field(default_factory=dict)
-    # Fits to the same tests with mu0 = 0 or tau0 = 0. The key is the name of the coefficient that is 0.
-    # A fit is missing if the tests exclude 0 for this coefficient, or if only the other coefficient was fitted.
+    # Fits with mu0 = 0 or tau0 = 0, by the name of the coefficient that is 0, unless the tests exclude 0 or only the
+    # other coefficient was fitted.
     fits_at_bounds: Mapping[str, StrengthFit] = field(default_factory=dict)
     # True area per load A/F (1/GPa) of each test; empty for a published interface or an interface from a file.
     area_per_load_of_tests: Floats = field(default_factory=lambda: np.empty(0))

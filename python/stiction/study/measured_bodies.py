@@ -43,7 +43,6 @@ from stiction.surfaces.tip import sharpened
 ColumnNameOrIndex = int | str
 
 
-# Types of bodies that can be read from a file.
 MeasuredBody = Profile | Surface | JoinedSpectrum
 
 
@@ -59,11 +58,10 @@ MACHINING_PROCESSES: tuple[str, ...] = get_args(MachiningProcess)
 BodyPair = tuple[Profile, Profile] | tuple[Surface, Surface]
 
 
-# Cutoff wavelengths (µm) of the upper and of the lower scan.
-CutoffPair = tuple[float, float]
+CutoffPair = tuple[float, float]  # µm, of the upper and the lower scan
 
 
-# Cutoff wavelengths (µm) of all upper and of all lower scans.
+# Cutoff wavelengths (µm) of all upper scans and of all lower scans.
 ScanCutoffs = tuple[tuple[float, ...], tuple[float, ...]]
 
 

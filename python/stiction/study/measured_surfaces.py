@@ -49,7 +49,6 @@ from stiction.surfaces.surface import Surface
 class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
     """Keys of the section `[surfaces]` that all studies of measured surfaces have."""
 
-    # Phrase for the two surfaces in error messages.
     bodies: ClassVar[str] = "measured areas"
     is_areal: ClassVar[bool] = True
     """True if the members are pairs of height maps, and False if they are pairs of profiles."""

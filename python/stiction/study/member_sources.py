@@ -53,12 +53,10 @@ class SharedMemberProperties:
     shape: Sequence[int]
     spacing: Sequence[float]
     piece_fractions: Sequence[float]
-    # Whole scans, from which each member takes a piece.
     scans: Sequence[Any]
 
 
 BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
-    # Processing steps of each body.
     **{side: AttributeSpec(dtype=str) for side in SIDES},
     "shape": AttributeSpec(dtype=int, sizes=(1, 2), bounds=(1, MAX_STORED_VALUE)),
     "spacing_um": AttributeSpec(sizes=(1, 2), bounds=POSITIVE_STORED_VALUE_BOUNDS),
@@ -68,13 +66,13 @@ BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
         for side in SIDES
         for name in ("spacing", "extent")
     },
-    # Fraction of interpolated points of a scan, and size of its largest unmeasured region (µm² on maps, else µm).
+    # Interpolated fraction of a scan, and size of its largest unmeasured region (µm² on maps, µm on profiles).
     **{f"{side}_filled": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
-    # Missing points between two measured points, as a fraction of all points of a scan.
+    # Fraction of the points of a scan that are missing between two measured points.
     **{f"{side}_pierced": AttributeSpec(sizes=(1,), bounds=(0, 1), is_required=False) for side in SIDES},
     # Ratio of the rms slopes of a map across and along its lay, stored if both maps have a lay.
     **{f"{side}_lay": AttributeSpec(sizes=(1,), bounds=(1, MAX_STORED_VALUE), is_required=False) for side in SIDES},
-    # Drift of ln(rms slope) along a single scan, and fraction of the gap's mean square slope that the scan contributes.
+    # Drift of ln(rms slope) along a single scan, and the scan's fraction of the gap's mean square slope.
     **{f"{side}_drift": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
 }
 """Specifications of the attributes in a result that describe measured bodies. Values for several axes are in the order
@@ -90,7 +88,6 @@ class BodyAttributes:
     """
 
     nominal_area: float | None = None  # µm², of one member
-    # Attributes of a result by name, as declared in `BODY_ATTRIBUTE_SPECS`.
     attributes: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
@@ -124,7 +121,6 @@ class LineMemberSource:
 
     pairs: LinePairs
     scans: tuple[MeasuredBody, MeasuredBody]
-    # Number of relative positions of each pair of lines.
     offsets: int = 1
     # Relative positions (µm) of each pair of lines, or None for a quasi-random sequence.
     positions: tuple[float, ...] | None = None
@@ -149,7 +145,6 @@ class LineMemberSource:
             return self._member_at(slider, counterface, round(self.positions[offset_index] / slider.spacing), line)
         if max_steps == 0 and offset_index > 0:
             raise ValueError("several positions require a slider that is shorter than its counterface; give a travel")
-        # Several pairs of lines are pressed without a shift.
         # A single pair of lines is shifted, because both lines may come from the same scan.
         is_unshifted = pairs.has_several_pairs and num_offsets == 1 and pairs.travel is None
         if is_unshifted or max_steps == 0:
@@ -220,7 +215,7 @@ class MapMemberSource:
 
     pairs: MapPairs | IsotropicSurfacePairs | SurfacePairsFromSpectra
     scans: tuple[MeasuredBody, MeasuredBody]
-    # Number of pairs of surrogates. These pairs are the first members. None if all members are surrogates.
+    # The first members are pairs of surrogates; None if all members are surrogates.
     surrogates: int | None = None
 
     def member(self, index: int) -> EnsembleMember:

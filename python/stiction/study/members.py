@@ -34,12 +34,10 @@ from stiction.surfaces.scan_defects import (
 from stiction.surfaces.self_affine import self_affine_surface
 from stiction.surfaces.surface import Surface
 
-# Maximum size (bytes) of the profiles of one body that are generated together.
-MAX_BATCH_BYTES = 64_000_000
+MAX_BATCH_BYTES = 64_000_000  # bytes
 MAX_CACHED_PAIRS = 16
-# Number of members over which the fraction of measured points is averaged.
 NUM_AVERAGED_MEMBERS = 16
-# Assumed number of points of a scan whose file is missing, for a profile (False) and a map (True).
+# Assumed number of points of a scan whose file is missing: of a profile (False) or of a map (True).
 TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}
 
 # ---- Generated bodies ------------------------------------------------------------------------------------------------

@@ -22,7 +22,6 @@ from stiction.surfaces.pairing import SIDES
 
 MODULUS_NAMES = ("young", "poisson")
 
-# Default exponent m in the closed form of yielding areas.
 DEFAULT_YIELD_EXPONENT = "uniform 0.7 .. 1.6"
 ELASTOMER_AREA_LOSS = "0..0.3"
 """Default range of the fraction of the true area that elastomers lose under shear before they slide.

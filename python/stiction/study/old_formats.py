@@ -103,7 +103,6 @@ def _replace_effective_modulus(
         for name, entries in bodies.items()
     }
     if modulus is None or any(entry is None for entries in values.values() for entry in entries):
-        # Invalid entries are reported by the validation of the study.
         return contact | dict(bodies)
     pairs: dict[str, Any] = {
         name: (2 * entries)[:2] if len(entries) == 1 else entries for name, entries in values.items()

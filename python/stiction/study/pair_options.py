@@ -416,13 +416,9 @@ class FormField:
     place: Literal["scan", "body", "load", "more"] = "more"
     example: str = ""
     default_label: str = ""
-    # Values and labels of the choices in the drop-down list of a form.
     choices: tuple[tuple[str, str], ...] = ()
-    # Width (characters) of the input field of a form, or 0 for the default width.
-    size: int = 0
-    # Unit of a number that the user enters without a unit.
+    size: int = 0  # characters, 0 for the default
     unit: str = ""
-    # Virtual keyboard that a phone shows for the input field of a form.
     keyboard: Literal["", "numeric", "decimal"] = ""
 
 
@@ -432,25 +428,20 @@ class PairOption:
 
     # Placeholder of an option's value in the help, such as PRESSURE, or an empty text for a switch.
     value: str
-    # Help text of an option, in one or two sentences. {name} stands for another option.
+    # The text {name} stands for another option.
     help: str
     kind: OptionKind | None = None
     default_text: str = ""
-    # Name of an option on the command line, if it differs from the field name.
+    # Names of an option on the command line and in Python, if they differ from the field name.
     flag: str = ""
-    # Name of an option in Python, if it differs from the field name.
     argument: str = ""
-    # Key of the study file that an option sets.
     key: str = ""
     field: FormField | None = None
     applies: tuple[OptionCondition, ...] = ()
-    # True if the option is listed in the short help of the command.
     is_common: bool = False
-    # True if the option can be given several times on the command line.
     is_repeatable: bool = False
     # True if an option accepts several inputs for one file, separated by commas, as in "mm,um".
     is_list: bool = False
-    # True if `stiction.pair` has a parameter for the option.
     is_in_python: bool = True
 
 

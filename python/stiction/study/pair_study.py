@@ -74,9 +74,8 @@ from stiction.surfaces.scale import InstrumentLimit
 from stiction.surfaces.scan_defects import find_scan_defects
 from stiction.surfaces.surface import Surface, as_body
 
-# Default number of relative positions of two profiles. All positions together take a few seconds to compute.
+# All 64 relative positions of two profiles together take a few seconds to compute.
 DEFAULT_NUM_POSITIONS = 64
-# Number of additional loads, in the two decades below the requested loads, at which adhesive contacts are computed.
 NUM_ADHESION_LOADS = 4
 # Load that replaces a load of 0, as a fraction of the largest attraction on one grid cell.
 ZERO_LOAD_REPLACEMENT_FRACTION = 1e-3

@@ -34,7 +34,6 @@ MAX_CONDITIONED_FRACTION = 0.4
 """Largest fraction of all samples that must be left, for interfaces with few samples."""
 
 WEIGHT_EXPONENT_STEP = 0.9
-# Half width of the distribution that stands for an exact number, relative to this number.
 RELATIVE_WIDTH_OF_EXACT_NUMBER = 1e-6
 # Distance over which a uniform density falls to zero outside its range, relative to the half width of the range.
 RELATIVE_DENSITY_EDGE_WIDTH = 0.01

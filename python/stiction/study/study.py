@@ -354,7 +354,6 @@ class Study(SettingsSection):
             loads = [float(quantity(load, "force")) for load in friction["load"]]
             curve_loads = choose_load_steps(loads, press=surfaces.get("press", "areas"), mechanics=mechanics)
         except (ValueError, TypeError):
-            # Invalid loads are reported by the validation of the section.
             return data
         return {
             **data,
@@ -390,7 +389,6 @@ class Study(SettingsSection):
             return parse_contact_settings(value, surfaces)
         if value.get("load") == [] and isinstance(surfaces, MeasuredSurfaceSettings):
             raise make_key_error("load", "must have at least one load, got []")
-        # If the section `[contact]` is invalid, only its error is reported.
         contact = info.data.get("contact")
         mechanics = "half-space" if contact is None else contact.mechanics
         settings_class = select_friction_settings_class(type(surfaces), mechanics)
@@ -611,7 +609,6 @@ class Study(SettingsSection):
             surfaces = select_surface_settings_class(selectors)
             contact = select_contact_settings_class(surfaces, selectors)
         except PydanticCustomError:
-            # An invalid entry of a key is reported by the validation of the key.
             return sections
         sections["surfaces"] = _convert_section(self.surfaces, surfaces)
         sections["contact"] = _convert_section(self.contact, contact)

@@ -34,9 +34,8 @@ from stiction.mechanics.model import Direction, SlidingRule
 from stiction.surfaces.profile import MAX_POINTS, MIN_POINTS
 
 MAX_NUM_PARAMETER_VALUES = 10_000
-# Maximum number of values of mu0, tau0, cutoff, load or time that a study can list.
 MAX_SHORT_LIST_LENGTH = 100
-# Maximum number of dots in a key of a study file. The run time of tomllib increases with the square of this number.
+# The run time of tomllib increases with the square of the number of dots in a key.
 MAX_KEY_DOTS = 100
 MAX_DIRECTION_DEGREES = 360  # degrees
 
@@ -221,7 +220,6 @@ class SettingsSectionVariant(SettingsSection):
     Each variant is a class with its own keys.
     """
 
-    # Name of the section variant in error messages, such as "measured surfaces".
     place: ClassVar[str]
 
     @classmethod
@@ -434,7 +432,6 @@ def parse_toml(text: str) -> dict[str, Any]:
 
     Raises a `ValueError` if the text is invalid or nested too deeply.
     """
-    # A key with many dots is rejected, because the run time of tomllib increases with the square of the number of dots.
     text_pieces = re.split(r"([=,#{}\[\]\n])", text)
     key_texts = [piece for piece, separator in itertools.pairwise(text_pieces) if separator in ("=", "]")]
     if any(key_text.count(".") > MAX_KEY_DOTS for key_text in key_texts):

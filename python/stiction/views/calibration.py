@@ -38,7 +38,6 @@ if TYPE_CHECKING:
 
     from stiction.summary.evaluation import Evaluation
 
-# All A/F (area per load) count as equal if their relative range is at most this number.
 MIN_PRINTED_AREA_PER_LOAD_RANGE = 1e-6
 # Tests are said to narrow an interval if a limit moves by more than this fraction of the interval's width.
 MIN_NARROWING_FRACTION = 0.05

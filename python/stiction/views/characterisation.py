@@ -31,18 +31,12 @@ from stiction.views.spreadsheet import frame_to_csv
 
 # Number of wavelengths for which slopes are printed: 2, 4, 8, ... grid spacings.
 NUM_SLOPE_WAVELENGTHS = 4
-# Unreliable wavelengths are mentioned if they cause at least this fraction of the mean square slope.
 NEGLIGIBLE_SLOPE_FRACTION = 0.01
-# A peak is reported if its spectral density is at least this multiple of the density at longer wavelengths.
 _MIN_PEAK_DENSITY_RATIO = 3.0
-# A peak is reported only if the spectrum contains at least this number of wavelengths longer than the peak's.
-_MIN_LONGER_WAVELENGTHS = 4
-# Minimum contribution of a reported peak to the fourth spectral moment, as a fraction.
-_MIN_PEAK_MOMENT_FRACTION = 0.1
-# The scatter of a spectrum about its fit is reported if its variance exceeds this multiple of the expected variance.
-_MIN_REPORTED_DISPERSION = 2.0
+_MIN_NUM_LONGER_WAVELENGTHS = 4
+_MIN_PEAK_FOURTH_MOMENT_FRACTION = 0.1
+_MIN_REPORTED_DISPERSION_RATIO = 2.0
 
-# Units in printed tables. The key is the unit in JSON.
 _PRINTED_UNITS_BY_JSON_UNIT = {"1": "", "um2": " µm²", "1/um": " 1/µm", "1/um2": " 1/µm²", "degrees": "°"}
 # Units in JSON that `_json_unit` does not derive from the printed unit: dimensionless parameters have the unit "1".
 _JSON_UNIT_EXCEPTIONS = {"": "1"}
@@ -54,7 +48,6 @@ class TableRow(NamedTuple):
     label: str
     texts: tuple[str, ...]
     values: tuple[Estimate, ...] = ()
-    # True if the row is printed only with `--verbose`.
     is_detail: bool = False
 
 
@@ -287,7 +280,7 @@ class CharacterisationTable:
                 TableRow("fractal dimension D", (classical_text if fit.value <= 1 else "none: 2 - H is below 1",)),
                 TableRow("", (f"{fit.fractal_dimension_paper:.3f} (paper, (4 - H)/2)",)),
             ]
-            if fit.dispersion > _MIN_REPORTED_DISPERSION:
+            if fit.dispersion > _MIN_REPORTED_DISPERSION_RATIO:
                 text = f"{math.sqrt(fit.dispersion):.1f} times the expected scatter: see the spectrum"
                 rows.append(TableRow("scatter", (text,)))
             if fit.value > 1:
@@ -317,7 +310,7 @@ class CharacterisationTable:
         # The longest wavelengths are excluded, because the window function or levelling changes their density.
         is_longer = (q > 2.5 * q[0]) & (q < band_start / 1.5)
         is_at_start = (q >= band_start / 1.2) & (q < band_start * 1.2)
-        if is_longer.sum() < _MIN_LONGER_WAVELENGTHS or not is_at_start.any():
+        if is_longer.sum() < _MIN_NUM_LONGER_WAVELENGTHS or not is_at_start.any():
             return 0.0
         return float(spectrum.density[is_at_start].mean() / spectrum.density[is_longer].mean())
 
@@ -507,7 +500,7 @@ def _parameter_table_row(
 
 def _spectral_peak_rows(label: str, spectrum: PowerSpectrum, lines: int = 1) -> list[TableRow]:
     result = find_spectral_peak(spectrum, lines=lines)
-    if result is None or result[1] < _MIN_PEAK_MOMENT_FRACTION:
+    if result is None or result[1] < _MIN_PEAK_FOURTH_MOMENT_FRACTION:
         return []
     wavelength_text, percentage = length_text(result[0]), 100 * result[1]
     return [
@@ -532,7 +525,6 @@ def _line_hurst_exponent_text(line: LineRoughness) -> str:
 
 # ---- JSON and CSV ----------------------------------------------------------------------------------------------------
 
-# Names of scan files, each with the characterisation of the scan.
 CharacterisedFiles = Sequence[tuple[str, Characterisation]]
 
 

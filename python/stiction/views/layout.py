@@ -9,8 +9,7 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-# Minimum width (characters) of printed text, even if the terminal is narrower.
-MIN_TERMINAL_WIDTH = 40
+MIN_TERMINAL_WIDTH = 40  # characters
 MIN_LABEL_WIDTH = 16  # characters
 
 TextRows = Sequence[Sequence[str]]
@@ -50,9 +49,7 @@ class ShortenedList:
     min_shown: int
     max_shown: int | None
     max_height: int | None
-    # Singular noun for an omitted line, such as "caveat".
     noun: str
-    # Option, command or method that prints the complete list.
     complete_command: str
 
 

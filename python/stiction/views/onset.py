@@ -15,9 +15,8 @@ from stiction.views.point import coordinate_text
 if TYPE_CHECKING:
     from stiction.study.study import Study
 
-# Tangential load, as a fraction of the sliding load, for which texts and tables state the slipping fraction.
+# Tangential loads as fractions of the sliding load.
 QUOTED_TANGENTIAL_LOAD_FRACTION = 0.5
-# Amplitudes of cyclic tangential loads, as fractions of the sliding load.
 CYCLE_AMPLITUDES = (0.5, 0.9)
 
 

@@ -52,7 +52,7 @@ def overview_text(
 
 OUTSIDE_MODEL_NOTE = "* outside the model: more than half of the load is on overlaps > R/10, or on radii < spacing"
 
-# Maximum number of rows of a complete overview. A longer overview shows only some mu0 and tau0.
+# A longer overview shows only some mu0 and tau0.
 MAX_OVERVIEW_ROWS = 40
 
 

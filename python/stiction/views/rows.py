@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
 
 
-# Columns of a CSV file that identify the result point of a row.
 _POINT_COORDINATES = (*CELL_DIMENSIONS, "load", "mu0", "tau0")
 
 COORDINATE_ORDER = (
@@ -217,7 +216,7 @@ def _merge_quantities(
     import pandas
 
     titles = [str(name) for name in table]
-    # Columns of the quantities. The key is the tuple of the names of the columns that identify a row, such as the load.
+    # Columns of the quantities, by the names of the columns that identify a row, such as the load.
     columns_by_keys: dict[tuple[str, ...], list[dict[str, Any]]] = {}
     for name in _csv_quantities(dataset):
         rows = _quantity_columns(dataset, name)
@@ -342,7 +341,6 @@ def point_record(point: PointSummary) -> dict[str, Any]:
     """Return a result point as JSON fields: reported friction, intervals, assessment and caveats."""
     return {
         "at": point.at,
-        # Cutoffs (µm) of all scans of the upper and of the lower body.
         "cutoffs": None if point.cutoffs is None else _build_body_fields(map(list, point.cutoffs)),
         # False for a point at a further cutoff, which the interval of a reported point already covers.
         "reported": not point.covered,

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from stiction.study.interfaces import InterfaceStrength
     from stiction.study.study import Study
 
-# The load definition is stated if the other definition changes the coefficient by more than this fraction.
 MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
 # The friction range of finer scans is printed if its width is at least this fraction of the interval's width.
 MIN_STATED_FINER_SCAN_RANGE = 0.05
@@ -311,7 +310,6 @@ def _averaged_members_text(point: PointSummary) -> str:
     return f"{point.members:.0f} {names[1]}{explanation}"
 
 
-# Profiles are assumed to be 1 µm wide.
 PROFILE_STRIP_TEXT = "a strip 1 µm wide"
 
 

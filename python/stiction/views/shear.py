@@ -35,22 +35,15 @@ if TYPE_CHECKING:
     import xarray
 
 MAX_PRINTED_DISPLACEMENTS = 13
-# Minimum width (degrees) of the interval of a dilation angle for which the interval is printed.
-MIN_PRINTED_ANGLE_RANGE = 1.0
-# A shear test gets a caveat if the edges of the faces carry more than this fraction of the load.
+MIN_PRINTED_ANGLE_RANGE = 1.0  # degrees
 MAX_EDGE_LOAD_FRACTION = 0.2
-# A shear test gets a caveat if yielded points carry more than this fraction of the load.
 MAX_YIELDED_LOAD_FRACTION = 0.5
-# If the peak comes before any displacement, a shear test gets a caveat if contacts cover more than this fraction of the
-# overlap.
 MAX_INITIAL_AREA_FRACTION = 0.5
 # Largest peak friction coefficient that Barton and Choubey (1977) recommend for use in design.
 MAX_DESIGN_PEAK_COEFFICIENT = math.tan(math.radians(70))
-# Registered faces get a caveat if their rms gap exceeds two limits:
-# a multiple of the gap's noise, and a fraction of (Z2) · (sampling interval).
-# The fit of the faces is perfect if the rms gap is below this fraction of (mean rising slope) · (first displacement).
+# Registered faces get a caveat if their rms gap exceeds both this multiple of its noise and this fraction of (Z2) ·
+# (sampling interval).
 MAX_GAP_NOISE_RATIO, MIN_GAP_TO_HEIGHT_CHANGE_RATIO = 3.0, 0.01
-# Faces get a caveat if the initial correlation between the slopes of both faces is below this number.
 MIN_FIT_CORRELATION = 0.5
 
 _CSV_COLUMNS = {

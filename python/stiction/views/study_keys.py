@@ -29,7 +29,6 @@ from stiction.study.study import (
 )
 from stiction.views.layout import wrap_text
 
-# Row of a key table: key, default, allowed values, and meaning.
 KeyTableRow = tuple[str, str, str, str]
 
 _QUANTITY_RANGE_TEXTS: tuple[tuple[Any, str], ...] = (
@@ -256,10 +255,8 @@ def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> lis
         for singular_phrase, plural_phrase in _NUMBER_LIST_TEXTS:
             text = text.replace(singular_phrase, plural_phrase)
         return [f"a list of {text}" if Ellipsis in get_args(annotation) else f"a list of {len(items)} {text}"]
-    # The annotation is an alias of `Annotated`.
     if hasattr(annotation, "__metadata__"):
         return _allowed_value_phrases(annotation.__origin__, annotation.__metadata__)
-    # The annotation is a union.
     if get_origin(annotation) is not None:
         alternatives = [_allowed_value_phrases(item) for item in get_args(annotation) if item is not type(None)]
         return list(dict.fromkeys(phrases for alternative in alternatives for phrases in alternative))

@@ -21,11 +21,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INCHES_PER_MILLIMETRE = 1 / 25.4
-# Width (inches) of a figure that fits into one column of a page. The smallest text in the figure has 6 pt.
+# The smallest text of a figure that fits into one column has 6 pt.
 COLUMN_WIDTH = 80 * INCHES_PER_MILLIMETRE
 PAGE_WIDTH = 170 * INCHES_PER_MILLIMETRE
-# Length (µm) above which an axis is labelled in mm.
-MIN_LENGTH_IN_MILLIMETRES = 1000.0
+MIN_LENGTH_IN_MILLIMETRES = 1000.0  # µm
 MAX_LITERAL_TEXT_LENGTH = 300  # characters
 
 MATPLOTLIB_STYLE: dict[Any, Any] = {
@@ -49,7 +48,6 @@ MATPLOTLIB_STYLE: dict[Any, Any] = {
 OPPOSING_CONTACT_COLOUR = "#d55e00"
 NOT_OPPOSING_CONTACT_COLOUR = "#0072b2"
 ALL_CONTACTS_COLOUR = "#332288"
-# A legend lists the sliding rules in this order.
 SLIDING_RULE_COLOURS = {"all": ALL_CONTACTS_COLOUR, "opposing": OPPOSING_CONTACT_COLOUR}
 AREA_COLOUR = "#009e73"
 FORCE_COLOUR = "#000000"
@@ -67,7 +65,6 @@ COLOUR_BAR_TICKS = (
     0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 1, 1.5, 2, 3, 5, 7, 10, 20, 30, 50, 100,
 )  # fmt: skip
 """Friction coefficients, all of them round numbers, from which the ticks of a colour bar are chosen."""
-# Colour map of the tangential load at which a point starts to slip.
 SLIP_COLOUR_MAP = "YlOrRd"
 
 SLIDING_RULE_LABELS = {"all": "friction at all contacts", "opposing": "at opposing contacts only"}

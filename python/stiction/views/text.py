@@ -58,7 +58,6 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
     from stiction.summary.evaluation import Evaluation
 
-# Grooves are reported if friction along the two axes differs by at least this fraction.
 MIN_STATED_GROOVE_FRICTION_DIFFERENCE = 0.01
 MAX_PRINTED_POINTS = 15
 

@@ -18,11 +18,9 @@ from stiction.views.style import (
     new_figure,
 )
 
-# The figure shows an input if its exact value would narrow the interval by more than this fraction.
 MIN_DRAWN_INTERVAL_REDUCTION = 0.02
 MAX_DRAWN_INPUTS = 5
-# Maximum number of characters in a line of an input's label. Longer labels are wrapped.
-MAX_ROW_LABEL_WIDTH = 20
+MAX_ROW_LABEL_WIDTH = 20  # characters
 
 
 _CONTRIBUTION_STYLES = {

@@ -31,19 +31,13 @@ from stiction.views.style import (
     place_axes,
 )
 
-# Minimum half width (grid spacings) of the magnified range in the figure of contact forces.
-_MIN_HALF_WIDTH_OF_MAGNIFIED_FORCES = 40
-# Height range (µm) below which an axis is labelled in nm.
-_MAX_HEIGHT_RANGE_IN_NANOMETRES = 0.5
-# Maximum length (inches) of an arrow that represents a force.
-_MAX_ARROW_LENGTH = 0.45
-# Minimum length of a visible arrow, as a fraction of the length of the longest arrow.
-_MIN_VISIBLE_FORCE_RATIO = 0.05
+_MIN_HALF_WIDTH_OF_FORCE_MAGNIFIER = 40  # grid spacings
+_MAX_HEIGHT_RANGE_IN_NANOMETRES = 0.5  # µm
+_MAX_ARROW_LENGTH = 0.45  # inches
+_MIN_VISIBLE_TO_LONGEST_ARROW_RATIO = 0.05
 EDGE_CONTACT_COLOUR = "#e00030"
-# Number of contacts that the magnified range shows around the contact with the largest load.
 NUM_NEIGHBOURING_CONTACTS = 5
-# Minimum half width (grid spacings) of the magnified range in the figure of two profiles.
-_MIN_HALF_WIDTH_OF_MAGNIFIED_PROFILES = 60
+_MIN_HALF_WIDTH_OF_PROFILE_MAGNIFIER = 60  # grid spacings
 
 
 def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
@@ -68,7 +62,7 @@ def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
     if contact_force.size:
         largest_contact_index = int(contact_force.argmax())
         half_width = max(
-            _MIN_HALF_WIDTH_OF_MAGNIFIED_FORCES * float(forces.attrs["spacing_um"]),
+            _MIN_HALF_WIDTH_OF_FORCE_MAGNIFIER * float(forces.attrs["spacing_um"]),
             6 * float(forces["contact_radius"].values[largest_contact_index]),
         )
         zoom_centre = float(centre_x[largest_contact_index])
@@ -88,7 +82,7 @@ def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
         )
     ]
     largest_friction = forces["contact_friction"].values[is_in_zoom].max(initial=0.0)
-    if largest_friction > _MIN_VISIBLE_FORCE_RATIO * contact_force[is_in_zoom].max(initial=0.0):
+    if largest_friction > _MIN_VISIBLE_TO_LONGEST_ARROW_RATIO * contact_force[is_in_zoom].max(initial=0.0):
         handles.append(Line2D([], [], color=FRICTION_COLOUR, marker=r"$\leftarrow$", label="friction", **marker_style))
     figure.legend(
         handles=handles,
@@ -137,7 +131,7 @@ def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
     axes.plot(x, lower, color="#7d6a3c", linewidth=0.5)
     axes.set_ylim(bottom - margin, top + margin)
     for name, height, vertical_alignment in (("upper body", 0.97, "top"), ("lower body", 0.03, "bottom")):
-        # In dark mode, labels become light, but bodies drawn as pixels stay light. The white box keeps a label legible.
+        # In dark mode, labels become light but bodies drawn as pixels stay light, so a white box keeps a label legible.
         axes.text(
             0.01, height, name, transform=axes.transAxes, fontsize=6, color="#333333", va=vertical_alignment,
             bbox={"facecolor": "white", "linewidth": 0, "pad": 0.8},
@@ -205,8 +199,7 @@ def _draw_forces(
 # ---- All contacts of a member ---------------------------------------------------------------------------------------
 
 
-# Area (square points) of the marker for the contact with the largest load.
-_MAX_MARKER_AREA = 60.0
+_MAX_MARKER_AREA = 60.0  # square points
 
 
 def contacts_and_pressure_figure(
@@ -385,7 +378,6 @@ def _draw_profile_contacts(
 ) -> None:
     """Draw two profiles in full length, and a magnified part around the contact with the largest load."""
     x, lower, gap = (picture[name].values for name in ("height_x", "lower_height", "gap"))
-    # Missing heights are interpolated between measured heights.
     is_finite = np.isfinite(gap)
     bodies = np.array([lower + np.interp(x, x[is_finite], gap[is_finite]).clip(0), lower]) * 1000
     # Profiles are assumed to be 1 µm wide, so a contact area in µm² equals the contact width in µm.
@@ -419,7 +411,7 @@ def _choose_zoom_range(x: Floats, centre_positions: Floats, width: Floats, force
     """Return the limits of the magnified part of a profile, around the contact with the largest load."""
     zoom_centre = centre_positions[np.argmax(force)]
     distances = np.sort(np.abs(centre_positions - zoom_centre))
-    min_half_width = max(_MIN_HALF_WIDTH_OF_MAGNIFIED_PROFILES * (x[1] - x[0]), 4 * float(width.max()))
+    min_half_width = max(_MIN_HALF_WIDTH_OF_PROFILE_MAGNIFIER * (x[1] - x[0]), 4 * float(width.max()))
     half_width = float(
         np.clip(1.3 * distances[min(NUM_NEIGHBOURING_CONTACTS, distances.size - 1)], min_half_width, x[-1] / 7)
     )

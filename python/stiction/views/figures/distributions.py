@@ -22,7 +22,6 @@ from stiction.views.style import (
     new_figure,
 )
 
-# Minimum number of directions of motion for which friction is drawn as a polar plot.
 MIN_COMPASS_DIRECTIONS = 3
 MAX_COMPASS_RINGS = 5
 

@@ -48,7 +48,7 @@ MIN_FADED_INTERVAL_WIDTH, FULLY_FADED_INTERVAL_WIDTH, MAX_FADING = 0.3, 1.2, 0.8
 """Relative interval widths at which the fading of a chart cell begins and ends, and the strongest fading."""
 
 CURVE_LABEL_SPACING = 2.4  # mm
-# Largest limit of an axis, as a multiple of the largest mean. Wider interval bands are cut off.
+# Interval bands wider than this multiple of the largest mean are cut off.
 MAX_DRAWN_BAND_RATIO = 2.0
 HEADING_HEIGHT = 4.0  # mm
 MAX_LEGEND_COLUMNS = 4
@@ -150,7 +150,6 @@ def friction_figure(values: FrictionOverDimension) -> Figure:
         if row == 0:
             ax.set_title(f"at $F_N$ = {format_with_unit(load, 'mN')}", pad=2)
             draw_panel_letter(ax, len(strengths))
-            # The legend is above the panel, where it covers no curve.
             ax.legend(loc="lower right", bbox_to_anchor=(1.02, 1.08), ncols=2, handlelength=1.2, borderaxespad=0)
         format_fractal_dimension_axis(ax, maps, last=is_last_row)
     _draw_colour_bar(
@@ -415,7 +414,6 @@ def _draw_area_curves(axes: list[Axes], areas: xarray.Dataset, *, label_distance
             ax.text(0.5, 0.5, "no load reached", transform=ax.transAxes, ha="center")
             continue
         ax.set_yscale("log")
-        # The axis limits follow from the means alone, so that very wide interval bands are cut off.
         positive_areas = (area_factor * area)[area > 0]
         ax.set_ylim(positive_areas.min() / MAX_DRAWN_BAND_RATIO, positive_areas.max() * MAX_DRAWN_BAND_RATIO)
         set_log_tick_labels(ax)

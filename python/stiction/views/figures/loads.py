@@ -34,7 +34,6 @@ from stiction.views.style import (
 MAX_FRICTION_AXIS_RATIO = 4.0
 """Maximum ratio of the upper limit of the friction axis to the highest mean. Longer interval bands are cut off."""
 
-# Maximum number of directions for which a figure shows single directions besides their mean.
 MAX_DRAWN_DIRECTIONS = 2
 
 MAX_PLAIN_LABEL_RATIO = 2e3
@@ -70,8 +69,7 @@ def friction_by_load_figure(points: xarray.Dataset, study_loads: Sequence[float]
 
 def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     """Draw a figure 80 mm wide: closure and closure stiffness over nominal pressure."""
-    # Nominal pressure (MPa) per load of 1 mN.
-    pressure_per_load = 1000 / float(points["nominal_area"])
+    pressure_per_load = 1000 / float(points["nominal_area"])  # MPa/mN
     figure = new_figure(100)
     for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):
         x = pressure_per_load * np.asarray(points["load"].values, dtype=np.float64)
@@ -150,14 +148,11 @@ def cut_off_figure(limits: ResolutionLimits, *, title: str = "") -> Figure:
     return figure
 
 
-# Minimum ratio of two wavelengths whose markers do not overlap.
 MIN_MARKER_WAVELENGTH_RATIO = 1.05
 SHORTEST_CUTOFF_TO_UNFILTERED_POSITION_RATIO = 1.5
 """Ratio of the shortest cutoff to the position at which unfiltered scans of unknown resolution are drawn."""
 
-# The closed-form estimate is drawn up to this multiple of the longest cutoff wavelength.
 MAX_CLOSED_FORM_TO_CUTOFF_RATIO = 8.0
-# Shortest wavelength for which extrapolated friction is drawn, as a fraction of the shortest cutoff.
 MIN_EXTRAPOLATED_TO_CUTOFF_RATIO = 1 / 16
 
 

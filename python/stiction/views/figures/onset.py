@@ -126,8 +126,7 @@ def _build_masing_cycle(displacement: Floats, load: Floats, amplitude: float) ->
 # ---- Slip map --------------------------------------------------------------------------------------------------------
 
 
-# Area (square points) of the largest marker of a contact.
-_MAX_MARKER_AREA = 60.0
+_MAX_MARKER_AREA = 60.0  # square points
 
 
 def contains_slip_map(onset: xarray.Dataset) -> bool:
@@ -231,7 +230,6 @@ _ONSET_PANELS = {
 }
 """Unit factor, axis label, and whether the axis is logarithmic, for each panel."""
 
-# The colours of onset curves follow the order of the loads, from the lowest to the highest load.
 LOAD_COLOURS = ("#56b4e9", "#0072b2", "#003a5d")
 
 

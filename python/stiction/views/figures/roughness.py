@@ -21,11 +21,10 @@ from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import length_text, to_characterisation
 from stiction.views.style import MAP_AXIS_COLOURS, MATPLOTLIB_STYLE, MIN_LENGTH_IN_MILLIMETRES, PAGE_WIDTH, new_figure
 
-# Maximum number of drawn points of a profile. Neighbouring points of a longer profile are averaged.
+# Neighbouring points of a longer profile are averaged.
 MAX_DRAWN_PROFILE_POINTS = 1500
 NUM_HEIGHT_BINS = 40
 MEASURED_SPECTRUM_COLOUR, FITTED_LINE_COLOUR = "#0072b2", "#d55e00"
-# Allowed distances between axis ticks, as multiples of a power of ten.
 TICK_STEPS = (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10)
 
 
@@ -89,7 +88,6 @@ def _draw_height_distribution(axes: Axes, heights: Floats) -> None:
     axes.set(xlabel=f"height ({height_unit})", ylabel=f"density (1/{height_unit})")
     axes.set_title("dashed: Gaussian", fontsize=6, pad=2)
     axes.locator_params(nbins=4, steps=TICK_STEPS)
-    # The panel of a profile is narrow, so its x axis has few ticks.
     axes.locator_params(axis="x", nbins=3)
 
 

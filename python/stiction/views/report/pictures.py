@@ -226,7 +226,7 @@ def _adhesion_panel(loading_cycle: xarray.Dataset, title: str) -> FigurePanel:
 # ---- Inline SVG ------------------------------------------------------------------------------------------------------
 
 
-# Maximum number of vertices of a figure element that is drawn as vectors. Larger elements become pixels.
+# Figure elements with more vertices are drawn as pixels.
 MAX_SVG_VERTICES = 1000
 RASTER_DPI = 200  # dots per inch
 
