@@ -135,8 +135,7 @@ class LoadCrossings:
         values = np.broadcast_to(values, (*shape, values.shape[-1]))
         values_after = np.take_along_axis(values, index, axis=-1)
         values_before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
-        # The quantity at the step before a reached loading step may be NaN, and the stiffness at complete contact is
-        # infinite.
+        # The quantity at the step before a reached step may be NaN, and the stiffness at complete contact is infinite.
         with np.errstate(invalid="ignore"):
             interpolated = np.where(
                 fraction == 1, values_after, values_before + fraction * (values_after - values_before)
@@ -484,8 +483,7 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
     has_spread = (standard_deviation > 0) & (values != values[:, :1]).any(axis=1)
     y, rho = deviations / np.where(has_spread, standard_deviation, 1.0)[:, np.newaxis], _TRIAL_NEIGHBOUR_CORRELATIONS
     y[~has_spread] = np.linspace(-1.0, 1.0, value_count)
-    # The inverse R^-1 of an autoregressive correlation matrix is tridiagonal, so 1' R^-1 1, 1' R^-1 y and y' R^-1 y are
-    # short sums.
+    # The inverse of an autoregressive correlation matrix R is tridiagonal, so 1' R^-1 1 and y' R^-1 y are short sums.
     weight_sums, inflation, quantile, density = _compute_mixture_constants(value_count)
     end_values = y[:, [0, -1]]
     inner_sums, end_squares = y[:, 1:-1].sum(axis=1)[:, np.newaxis], np.square(end_values).sum(axis=1)[:, np.newaxis]

@@ -273,8 +273,7 @@ def evaluate_ensemble_quantities(
     quantities = _EnsembleQuantities(
         dataset if transform is None else transform(dataset), names, load_values, *strengths, includes_ratios
     )
-    # The first pass over the members finds the loading steps of the requested loads, where the second pass computes the
-    # intervals.
+    # The first pass over the members finds the loading steps at which the second pass computes the intervals.
     averages, ratio_operands, count = _average_sums(
         iterate_solved_pieces(result, quantities.required_variables(), transform),
         names,

@@ -98,8 +98,7 @@ def average_members(
         _remove_negative_means(directional_means, is_downhill),
         attributes,
     )
-    # A mean over directions is undefined if the slider slides by itself in one of them, except for mu0 = tau0 = 0,
-    # where coefficients cancel.
+    # A mean over directions is undefined if the slider slides by itself in one of them, unless mu0 = tau0 = 0.
     has_strength = np.add.outer(members["mu0"].values, members["tau0"].values) > 0
     counts_as_downhill = is_downhill & ~(directional_means[..., 2] >= 0) & has_strength
 
