@@ -152,8 +152,7 @@ class StrengthFit:
     # Normal scores of the uncertain inputs and area errors of the tests, by `shared_input_name` and `area_error_name`:
     # a pair that shares an input with the tests uses the scores of this input.
     scores: Mapping[str, Floats] = field(default_factory=dict)
-    # Fits with mu0 = 0 or tau0 = 0, by the name of the coefficient that is 0, unless the tests exclude 0 or only the
-    # other coefficient was fitted.
+    # Fits with mu0 = 0 or tau0 = 0, by the name of the coefficient that is 0, if the tests do not exclude 0.
     fits_at_bounds: Mapping[str, StrengthFit] = field(default_factory=dict)
     # True area per load A/F (1/GPa) of each test; empty for a published interface or an interface from a file.
     area_per_load_of_tests: Floats = field(default_factory=lambda: np.empty(0))
