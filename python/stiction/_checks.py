@@ -40,7 +40,7 @@ def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Flo
         raise ValueError(f"{name} must be an array of real numbers, got {type(values).__name__}") from None
     if ndim is not None and array.ndim != ndim:
         raise ValueError(f"{name} must have {ndim} dimension(s), got shape {array.shape}")
-    # A finite sum shows that all elements are finite. Checking the sum is faster than checking each element.
+    # A finite sum shows that all elements are finite, faster than a check of each element.
     with np.errstate(over="ignore", invalid="ignore"):
         array_sum = array.sum()
     if not np.isfinite(array_sum) and (is_nonfinite := ~np.isfinite(array)).any():

@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from stiction._checks import Floats
 
 HEIGHT_COLOUR_MAP = "gray"
-# Height range (µm) below which the heights of a map are shown in nm.
-_MAX_HEIGHT_RANGE_IN_NANOMETRES = 0.5
+_MAX_HEIGHT_RANGE_IN_NANOMETRES = 0.5  # µm
 _MAX_SCALE_BAR_FRACTION = 0.25
 PRESSURE_COLOUR_MAP = "inferno"
 MAX_LEGEND_LINES = 12
@@ -54,7 +53,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
     bin_wave_number, bin_density = bins
     is_positive_bin = bin_density > 0
     ax.loglog(bin_wave_number[is_positive_bin], bin_density[is_positive_bin], color="0.1", linewidth=1.4)
-    # The density axis has a lower limit. Otherwise, densities that are only round-off would fill most of the axis.
+    # Without a lower limit, densities that are only round-off would fill most of the axis.
     max_density = float(density.max())
     ax.set_ylim(max(float(bin_density[is_positive_bin].min()) / 3, 1e-16 * max_density), 3 * max_density)
     ax.set_xlabel("wave number q (1/µm)")

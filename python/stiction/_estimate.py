@@ -13,15 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._checks import Floats
 from stiction._number_format import MAX_WITHOUT_EXPONENT, MIN_WITHOUT_EXPONENT, choose_prefixed_unit, format_significant
 
-# Maximum number of significant digits of a printed number, even if its interval is very narrow.
 MAX_SIGNIFICANT_DIGITS = 4
 INFINITE_LIMIT_TEXT = "\N{INFINITY}"
-# The upper limit of an interval is printed with one significant digit if it exceeds this multiple of the estimate.
 MAX_FULL_PRECISION_LIMIT_RATIO = 100.0
-# Codes that `count_estimate_decimals` returns instead of a number of decimals.
 DECIMALS_CODE_OF_NO_INTERVAL = -128
 DECIMALS_CODE_OF_EXPONENT = -127
-# Maximum number of decimals of a printed number, and of digits before the decimal point that rounding sets to zero.
 MAX_DECIMALS = 100
 
 EstimateKind = Literal["", "mean", "combined", "prediction", "conditional", "fit", "range"]

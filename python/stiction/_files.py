@@ -25,12 +25,11 @@ The name contains the machine, the process id, the run and a random number.
 
 # Age (s) above which a partial file from another machine counts as abandoned.
 MAX_PARTIAL_FILE_AGE = 3600.0
-# Time (s) between two refreshes of a claim on a directory, short enough that a claim outlives a few failed refreshes.
+# Interval (s) so short that a claim on a directory outlives a few failed refreshes.
 CLAIM_REFRESH_INTERVAL = 300.0
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
-# Random text that identifies this process. A process number is not enough, because the operating system reuses numbers.
+# The process number does not identify this process, because the operating system reuses numbers.
 _PROCESS_TOKEN = secrets.token_hex(4)
-# A mark that shows the type of a file is searched for in this number of bytes at each end of the file.
 _NUM_SEARCHED_BYTES = 2**16
 
 
@@ -93,7 +92,6 @@ def create_atomically(path: Path, content: bytes) -> None:
     if os.path.lexists(path):
         raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
     try:
-        # Unlike `os.rename`, `os.link` never replaces an existing file.
         with _open_partial_file(path, os.link) as partial_path:
             partial_path.write_bytes(content)
     except FileExistsError:

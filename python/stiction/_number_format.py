@@ -24,7 +24,6 @@ _PREFIXED_UNITS = {
 _UNPREFIXED_UNITS = ((0.0, 1.0, ""),)
 
 
-# Lower and upper limit of the numbers that are always printed without an exponent.
 MIN_WITHOUT_EXPONENT, MAX_WITHOUT_EXPONENT = 1e-6, 1e6
 
 

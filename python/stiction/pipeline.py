@@ -52,8 +52,7 @@ if TYPE_CHECKING:
 
 LinePrintFunction = Callable[[str], Any]
 
-# Computing time (s) above which an estimate of the time is always printed.
-MIN_ANNOUNCED_TIME = 20.0
+MIN_ANNOUNCED_TIME = 20.0  # s
 
 _COMPANION_FILE_SIGNATURES = {
     CONTACT_PICTURE_FILE: CHECKSUM_PREFIX,

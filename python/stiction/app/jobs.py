@@ -29,20 +29,17 @@ from stiction.solve.executors import PROGRESS_PREFIX
 from stiction.solve.store import open_stored_result
 
 POLL_INTERVAL = 0.4  # s
-# Time (s) in which a stopped command can still write results before it is killed.
-MAX_SHUTDOWN_TIME = 5.0
+MAX_SHUTDOWN_TIME = 5.0  # s
 KILLED_PROCESS_TIMEOUT = 1.0  # s
 MAX_WAITING_JOBS = 8
 MAX_OUTPUT_BYTES = 2**25
-# Fraction of the machine's memory that the command of a job may use.
 JOB_MEMORY_FRACTION = 0.5
-# Fraction of the machine's memory that a preview may use.
-# A second short process of the app may use the same fraction at the same time.
+# Two short processes of the app may each use this fraction of the machine's memory at the same time.
 READER_MEMORY_FRACTION = 0.25
 SCOPE_TEXT_SUFFIX = ", here and in the pictures"
-# Last characters of the JSON record that a command prints. The command prints the record before it draws figures.
+# A command prints its JSON record, which ends with these characters, before it draws figures.
 END_OF_JSON_RECORD = b"\n}\n"
-# Files that the user can save after each command: name in the app, and name of the file that the command writes.
+# Files that the user can save: name in the app, and name of the file that the command writes.
 FILES_BY_COMMAND = {
     "pair": {"page.html": "report.html", "result.csv": "result.csv", "study.toml": "study.toml"},
     "shear": {"page.html": "report.html", "result.csv": "shear.csv"},
@@ -73,21 +70,15 @@ class Job:
     title: str
     arguments: list[str]
     directory: Path
-    # Scans and options from which the asperity model computes a preview, or None for a command without a preview.
-    preview: tuple[list[str], Any] | None = None
-    # State of the job: "waiting", "running", "done", "stopped" or "failed".
-    state: str = "waiting"
-    # Name, without extension, of the files that the user saves.
+    preview: tuple[list[str], Any] | None = None  # None without a preview
+    state: str = "waiting"  # "waiting", "running", "done", "stopped" or "failed"
     file_stem: str = ""
     activity: str = ""
-    # Text that states which members an intermediate result covers. Empty for the final result.
     scope: str = ""
     finished: int = 0
     total: int = 0
     versions: int = 0
-    # Directory of the files that the user can save.
     files: Path | None = None
-    # Coefficients and caveats that the app shows for the job.
     record: Any = None
     error: str = ""
     is_ending: bool = False
@@ -186,7 +177,6 @@ class JobQueue:
         for job in self.jobs_by_number.values():
             job.stop()
             if job.state == "stopped" and job.task is not None:
-                # If the task of a stopped job is still reading the job's result, the task is cancelled.
                 job.task.cancel()
         await asyncio.gather(*(job.task for job in self.jobs_by_number.values() if job.task), return_exceptions=True)
 
@@ -293,7 +283,6 @@ class JobQueue:
         num_reported = 2
         while True:
             await asyncio.sleep(POLL_INTERVAL)
-            # An error means that no result is stored yet, or that the surfaces do not touch.
             with suppress(*REPORTED_EXCEPTIONS):
                 stored_result = await asyncio.to_thread(open_stored_result, job.directory)
                 job.finished, job.total = stored_result.num_finished, stored_result.study.ensemble.repetitions
@@ -313,7 +302,6 @@ class JobQueue:
         # A preview gets less memory, because the command of the job runs at the same time.
         memory = READER_MEMORY_FRACTION if source else JOB_MEMORY_FRACTION
         response = json.loads(await run_module(arguments, memory=memory))
-        # Nothing is shown if there is no preview, or if the app already shows a result of the command.
         if response is None or (source and job.versions):
             return
         job.show_result(

@@ -26,10 +26,9 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.registration import do_faces_fit
 from stiction.surfaces.roughness import reject_flat_or_small_surface, rms_gradient, roughness_parameters
 
-# Maximum number of rows or columns in the preview of a map.
 # The preview of a profile may have three times this number of points.
 MAX_PREVIEW_SIDE_POINTS = 160
-# Colours of the profiles in a preview, visible on light and on dark backgrounds.
+# These colours are visible on light and on dark backgrounds.
 PROFILE_COLOURS = ("#7a8490", "#8a63c7")
 
 

@@ -49,20 +49,19 @@ from stiction.study.interfaces import interfaces
 from stiction.study.pair_study import MeasuredPair
 from stiction.surfaces.pairing import SIDES
 
-# Maximum size (bytes) of an uploaded scan: the limit that the readers of measured surfaces have for text files.
+# The readers of measured surfaces have the same limit (bytes) for text files.
 MAX_SCAN_BYTES = 300_000_000
 MAX_TOTAL_SCAN_BYTES = 2_000_000_000  # bytes
-# Maximum size (bytes) of a request other than an upload of a scan.
-MAX_REQUEST_BYTES = 2**16
+MAX_REQUEST_BYTES = 2**16  # bytes
 MAX_REQUEST_TIME = 120.0  # s
-# Maximum number of simultaneous requests. A browser sends at most six requests at the same time.
+# A browser sends at most six requests at the same time.
 MAX_CONCURRENT_REQUESTS = 64
 MAX_SCAN_NAME_LENGTH = 60  # characters
 MAX_LISTED_RESULTS = 100
 MAX_PREVIEWED_SCAN_POINTS = 2**21
 REQUEST_EXCEPTIONS = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
 ACCESS_KEY_HEADER = "x-stiction-key"
-# Paths of files that contain nothing private, so that requests for these files need no access key.
+# These files contain nothing private, so that requests for them need no access key.
 PUBLIC_PATHS = ("/", "/app.js", "/app.css")
 
 ALLOWED_OPTIONS_BY_COMMAND = {

@@ -33,9 +33,8 @@ from stiction.study.interfaces import (
     StrengthFit,
 )
 
-# Minimum number of tests that slid, from which the errors of the tests can be estimated.
+# From this number of tests that slid, the errors of the tests can be estimated.
 MIN_SLIDING_TESTS = 3
-# A friction law may be quoted only if the fit multiplies the errors of the tests by at most this factor.
 MAX_ERROR_SCALE = 3.0
 
 

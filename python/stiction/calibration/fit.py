@@ -43,31 +43,25 @@ from stiction.study.interfaces import (
 # Minimum relative standard deviation of the area per load A/F among the tests, if both mu0 and tau0 are fitted.
 MIN_AREA_VARIATION = 0.1
 # A nuisance point is a random sample of all nuisance parameters.
-# Number of nuisance points in each round that adapts the proposal distribution of the importance sampling.
 NUM_NUISANCE_POINTS_PER_ROUND = 256
-# Maximum number of nuisance points in the importance sampling with the adapted proposal distribution.
 MAX_NUISANCE_POINTS = 8192
-# Initial number of nuisance points in the importance sampling. The first count is doubled for each nuisance parameter,
-# and the second count is the upper limit.
+# The first count of nuisance points is doubled for each nuisance parameter, up to the second count.
 FINAL_NUISANCE_POINT_COUNTS = 256, 1024
-# Largest distance of a nuisance parameter from its mean, in standard deviations.
-MAX_NORMAL_SCORE = 5.0
+MAX_NORMAL_SCORE = 5.0  # standard deviations
 MAX_PROPOSAL_ROUNDS = 8
-# The proposal distribution is adapted until the effective sample size exceeds this fraction of the nuisance points.
 MIN_EFFECTIVE_SAMPLE_FRACTION = 0.4
-# The number of nuisance points is doubled until the effective sample size exceeds this number.
 MIN_EFFECTIVE_SAMPLES = 300.0
 NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31
 NUM_STRENGTH_PAIRS = 4000
-# -2 ln(density of mu0 and tau0) at the edge of the grid, minus its minimum. The edge is 5.8 standard deviations away.
+# At the edge of the grid, 5.8 standard deviations away, -2 ln(density of mu0 and tau0) exceeds its minimum by this
+# number.
 MAX_GRID_DEVIANCE = 34.0
-# Degrees of freedom of Student's t distribution, from which nuisance points are drawn.
+# Degrees of freedom of Student's t distribution: of drawn nuisance points, and of test errors if tests may be outliers.
 PROPOSAL_DEGREES_OF_FREEDOM = 5.0
-# Degrees of freedom of Student's t distribution of the test errors. The distribution is used if tests may be outliers.
 OUTLIER_DEGREES_OF_FREEDOM = 4.0
 MEDIAN_RELATIVE_DEVIATION_BETWEEN_RUNS = 0.10
 
-# Maximum number of nuisance points that are evaluated together if contacts grow under shear, to limit the memory.
+# This batch size limits the memory if contacts grow under shear.
 MAX_GROWTH_BATCH_POINTS = 256
 GAIN_PARAMETER_NAME, RUN_SPREAD_PARAMETER_NAME = "gain", "spread between runs"
 
@@ -80,13 +74,11 @@ class _BestFit:
     tau0: float  # GPa
     # Normal score of each nuisance parameter: its quantile of the standard normal distribution.
     scores: Floats
-    # Residuals of the tests that slid, each divided by the error of the test.
     residuals: Floats
     # Derivatives of the residuals (times `robust_factors`) and of the nuisance parameters by the fitted parameters.
     jacobian: Floats
     # Square root of each test's weight, which is smaller for an outlier.
     robust_factors: Floats
-    # Factor by which the fit multiplies the errors of the tests if these errors were not given.
     scale: float
 
 
@@ -97,12 +89,10 @@ class _GridLimits:
     # R of the QR decomposition of the test equations at each nuisance point, with the shape (points, 3, 3).
     triangular_factors: Floats
     deviance_range: float
-    # Smallest and largest tau0 (GPa) of the grid at each nuisance point.
     min_tau0: Floats
     max_tau0: Floats
     # Best mu0 for each nuisance point and tau0, with the shape (points, tau0). None if no contact grows under shear.
     best_mu0: Floats | None = None
-    # Distances from the best mu0 to the lower and to the upper end of the range of mu0, with the shape (points, tau0).
     width_below: Any = None
     width_above: Any = None
 
@@ -197,8 +187,8 @@ class CalibrationProblem:
         scores_by_name = dict(zip(self.nuisances, np.clip(scores, -MAX_NORMAL_SCORE, MAX_NORMAL_SCORE).T, strict=True))
         shape = len(scores), *(1 for _ in grid_shape)
         probability = {name: ndtr(values).reshape(shape) for name, values in scores_by_name.items()}
-        # Area factors that are already computed. Tests with equal equations share one area factor.
-        # If contacts grow under shear, tests share an area factor only if their measured coefficients are equal, too.
+        # Tests with equal equations share an area factor, unless contacts grow under shear and measured coefficients
+        # differ.
         cached_factors: dict[Hashable, Floats] = {}
 
         def area_factors_of_test(test: int) -> Floats:
@@ -232,7 +222,6 @@ class CalibrationProblem:
             if GAIN_PARAMETER_NAME in scores_by_name
             else np.ones((len(scores), 1))
         )
-        # The gain is the ratio of a test's measured coefficient to the true coefficient.
         # The errors of the tests refer to the measured coefficients, so the model is multiplied by the gain.
         mu0_coefficient = gain * sums["tangential_frictional"] - self.measured * sums["normal_frictional"]
         tau0_coefficient = gain * sums["tangential_adhesive"] - self.measured * sums["normal_adhesive"]
@@ -478,7 +467,6 @@ class CalibrationProblem:
         )
         unstored_names = {GAIN_PARAMETER_NAME, RUN_SPREAD_PARAMETER_NAME}
         # Normal scores of the area errors are stored only if all tests used the same surfaces.
-        # If the tests of one pair of surfaces determine mu0 and tau0, other pairs' area errors remain unknown.
         if len({equation.surfaces for equation in self._friction}) > 1:
             unstored_names |= self._area_errors.keys()
 
@@ -864,7 +852,6 @@ class CalibrationProblem:
         log_cell_probability = grid.log_probability.reshape(len(points), -1)
         with np.errstate(invalid="ignore"):
             log_excess = log_weight - np.logaddexp.reduce(log_cell_probability, axis=1)
-        # If the interface seizes in all cells of a grid, `log_excess` is NaN.
         log_excess = np.where(np.isfinite(log_weight), log_excess, 0.0)
         log_cell_weight = log_cell_probability + log_excess[:, np.newaxis]
         cumulative_weight = np.cumsum(np.exp(log_cell_weight - log_cell_weight.max()))

@@ -62,15 +62,13 @@ class Ball:
     """
 
     radius: float | str
-    # In comparisons of two balls, `moduli` replaces the effective modulus, which can be given in several forms.
+    # In comparisons of two balls, `moduli` and `lost_fraction` replace inputs that can be given in several forms.
     effective_modulus: float | str | None = field(default=None, compare=False)
     young: Any = field(default=None, kw_only=True)
     poisson: Any = field(default=None, kw_only=True)
     upper_material: str | None = field(default=None, kw_only=True)
     lower_material: str | None = field(default=None, kw_only=True)
-    # In comparisons of two balls, `lost_fraction` replaces the area loss, which can be given in several forms.
     area_loss: Any = field(default=None, kw_only=True, compare=False)
-    # Elastic constants at the central values of the moduli of both bodies.
     elasticity: PairElasticity = field(init=False, repr=False, compare=False)
     moduli: UncertainModulus = field(init=False, repr=False, hash=False)
     lost_fraction: InputValue = field(init=False, repr=False)
@@ -116,7 +114,6 @@ class _FrictionTestSums:
     """Contact sums (forces and areas, summed over contacts) of one friction test, divided by the elastic load."""
 
     sums: Mapping[str, float]
-    # Relative standard error of the true contact area in a test.
     scatter: float = 0.0
     # Checksum of the tested surfaces. Tests with equal checksums have the same error of the computed contact area.
     surfaces: str = ""
@@ -129,7 +126,6 @@ class _FrictionTestSums:
 class AreaFactor:
     """Factor from the computed to the true contact area of a friction test, as a function of uncertain inputs."""
 
-    # Uncertain inputs of a test by name: hardness, creep exponent, moduli, junction growth and area loss.
     uncertain_inputs: Mapping[str, UncertainInput]
     # Checksum of the tested surfaces. Tests with equal checksums have the same area loss.
     surfaces: str
@@ -175,7 +171,6 @@ class _BallAreaFactor(AreaFactor):
     """
 
     moduli: UncertainModulus
-    # Central value of the relative loss of contact area under shear.
     area_loss: float
 
     @classmethod
@@ -407,7 +402,6 @@ def find_pair_faults(tests: Sequence[FrictionTest]) -> tuple[tuple[str, str], ..
 
 def list_sliding_rules(result: Any) -> tuple[str, ...]:
     """Return the sliding rules for which a result has coefficients."""
-    # A ball has one contact, for which both sliding rules give the same friction.
     if isinstance(result, Ball):
         return SLIDING_RULES
     if isinstance(result, FrictionCurve):

@@ -8,11 +8,10 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Number of trial tau0 in each search, and number of searches. Each search covers a narrower range of tau0.
+# Each of the searches covers a narrower range of tau0.
 NUM_TAU0_SEARCH_POINTS, NUM_TAU0_SEARCHES = 13, 3
 NUM_NEWTON_STEPS = 3
-# Step of mu0 in numerical derivatives, divided by 0.1 + mu0.
-MU0_DERIVATIVE_STEP = 1e-4
+MU0_DERIVATIVE_STEP = 1e-4  # divided by 0.1 + mu0
 
 ResidualFunction = Callable[[Floats, Floats], Floats]
 """Function of mu0 and tau0 in GPa (points, ...) that returns residuals in units of the errors (points, tests, ...).

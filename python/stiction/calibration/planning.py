@@ -16,9 +16,7 @@ from stiction.mechanics.friction import FrictionLaw
 from stiction.study.input_distributions import Z_95, select_by_weight
 from stiction.study.interfaces import StrengthFit, ValueWithLimits, round_median_strength
 
-# Relative error of the planned tests, used if the errors of the present tests are unknown.
 DEFAULT_RELATIVE_ERROR = 0.05
-# Ratio of the largest to the smallest load of planned tests on a ball.
 BALL_LOAD_RANGE = 100.0
 
 
@@ -32,13 +30,11 @@ class PlannedTests(NamedTuple):
 class PlanConditions(NamedTuple):
     """Number and errors of further tests, and areas per load of a ball test, which all plans of further tests use."""
 
-    # Number of further tests, equal to the number of present tests.
     num_tests: int
-    # Relative standard error of each further test: the median error of the present tests, or `DEFAULT_RELATIVE_ERROR`.
+    # Median error of the present tests, or `DEFAULT_RELATIVE_ERROR`.
     relative_error: float
-    # True if the errors of the present tests are given.
     is_error_known: bool
-    # True areas per load (1/GPa) of a ball at the highest and at the lowest load, which are equal for a single test.
+    # True areas per load (1/GPa) of a ball at its highest and at its lowest load; a single test has only one load.
     ball_area_per_load: tuple[float, float]
 
 

@@ -45,7 +45,6 @@ def main() -> None:
             from stiction.cli.application import run_command_line
         status = run_command_line()
     except KeyboardInterrupt:
-        # Ctrl-C was pressed during the import of libraries.
         status = EXIT_INTERRUPTED
     # The process ends without waiting for threads that are still computing.
     if status == EXIT_INTERRUPTED:
@@ -64,8 +63,8 @@ def _redirect_closed_streams() -> None:
         try:
             os.fstat(number)
         except OSError:
-            # `os.fstat` fails if standard input, output or error is closed.
-            # `os.open` returns the lowest free file descriptor, which is the number of the closed stream.
+            # `os.fstat` fails if a standard stream is closed; `os.open` then returns the number of this stream, the
+            # lowest free one.
             null_device = os.open(os.devnull, os.O_RDWR)
             setattr(sys, name, os.fdopen(null_device, "w" if number else "r"))
 

@@ -167,7 +167,6 @@ def option_was_given(context: typer.Context, name: str) -> bool:
 class _CommandWithHelpPanels(TyperCommand):
     """Command whose help lists the options in panels, without their types and ranges."""
 
-    # Options in the short help of a command that has many options.
     common: Collection[str] = ()
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:

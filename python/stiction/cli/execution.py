@@ -30,7 +30,7 @@ def open_executor(workers: int | None, scheduler: str | None) -> contextlib.Abst
         return thread_pool_executor(workers)
     if workers is not None:
         raise StudyError("--workers must not be combined with --scheduler")
-    # To prevent the import of Dask, `main` has set `sys.modules["dask"]` to None. A cluster needs Dask.
+    # A cluster needs Dask, whose import `main` prevents by this entry.
     if sys.modules.get("dask") is None:
         sys.modules.pop("dask", None)
     return connect_to_cluster(scheduler)

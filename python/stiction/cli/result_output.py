@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from stiction.summary.summary import Summary
 
 
-# Maximum number of caveat lines for which the output of `pair` and `run` fits on a screen of 24 lines.
+# With this number of caveat lines, the output of `pair` and `run` fits on a screen of 24 lines.
 MAX_CAVEAT_LINES = 5
 
 VERBOSE_OPTION = "--verbose"
@@ -114,7 +114,6 @@ def write_pair_files(result: Result, *, print_written: Callable[[str], None]) ->
     print_written(f"wrote {file_names[0]} (open it), {' and '.join(file_names[1:])}")
 
 
-# Maximum number of attempts to write the files of a result while another run changes the study.
 MAX_OUTPUT_ATTEMPTS = 4
 
 
@@ -124,7 +123,7 @@ def _write_result_files(result: Result, directory: Path) -> list[str]:
     report_path = directory / "report.html"
     # If the evaluation fails, no error is raised here, because drawing the report raises the same error.
     with contextlib.suppress(ValueError):
-        # Report and figure are drawn in two processes. Both need the quantities at all loads, which are evaluated here.
+        # Report and figures are drawn in two processes, which both need the quantities at all loads.
         result.at_report_loads  # noqa: B018
     with evaluate_report(result, name=directory.resolve().name) as draw_report, draw_report() as get_report:
         # Matplotlib is imported only here, because an earlier import would delay the evaluation.

@@ -39,9 +39,7 @@ if TYPE_CHECKING:
     import xarray
 
 MAX_PICTURE_SIDE_POINTS = 512
-# Loads in the figure of an adhesive loading cycle, as multiples of the pull-off force.
 LOADS_RELATIVE_TO_PULL_OFF = (0.25, 0.5, 1, 2, 3, 4)
-# Side of a map, divided by the side of the magnified section around the contact with the largest load.
 ZOOM_FACTOR = 8
 MIN_ZOOM_SIDE_POINTS = 16
 
@@ -59,7 +57,6 @@ _CONTACT_VARIABLE_SPECS = {
     "contact_at_edge": ("at_edge", "1", "whether a contact reaches the edge of the scans"),
 }
 
-# Suffix of the column title for each dimension, which states the unit.
 _COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um"}
 
 
@@ -170,7 +167,6 @@ def load_contact_picture(result: StoredResult) -> xarray.Dataset | None:
 _CONTACT_PICTURE_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
     "member": AttributeSpec(dtype=int, bounds=(0, STORED_VALUE_BOUNDS[1])),
     "load_mN": AttributeSpec(bounds=POSITIVE_STORED_VALUE_BOUNDS),
-    # Surrogates have no position, so the shift (x, y) of their maps is NaN.
     "x": AttributeSpec(may_be_nan=True),
     "y": AttributeSpec(may_be_nan=True),
 }

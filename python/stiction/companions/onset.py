@@ -41,13 +41,11 @@ if TYPE_CHECKING:
     from stiction.mechanics.onset import Onset
     from stiction.solve.store import StoredResult
 
-# First bytes of a file that is recognised as an onset table of an earlier run.
 ONSET_TABLE_SIGNATURE = b"fraction of the sliding load,"
 NUM_ONSET_MEMBERS, NUM_ONSET_MEMBERS_FOR_MAPS = 16, 4
 """Default numbers of members for the onset of sliding: 16 in general, and 4 for maps in the half-space model."""
 
 
-# Computing time of an onset curve, divided by the computing time of a contact solution.
 ONSET_TO_SOLUTION_TIME_RATIO = 8
 
 ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
@@ -274,12 +272,9 @@ class OnsetCurvePoint:
 
     tangential_load: Estimate  # mN
     displacement: Estimate  # µm
-    # Slipping fraction of the contact area.
     slipped_area: Estimate
-    # Fraction of the normal load that slipping contacts carry.
     slipped_load: Estimate
-    # Energy (mN µm) dissipated in a load cycle whose amplitude is the tangential load.
-    energy_lost: Estimate
+    energy_lost: Estimate  # mN µm, in a load cycle
 
 
 @dataclass(frozen=True)
@@ -295,17 +290,13 @@ class OnsetSummary:
     tau0: float  # GPa
     num_members: int
     poisson_ratio: tuple[float, ...]  # of both bodies
-    # True if the user gave Poisson's ratios, and False if the default was assumed.
     is_poisson_ratio_given: bool
     sliding_load: Estimate  # tangential load, mN
     displacement_at_sliding: Estimate  # µm
-    # Initial tangential stiffness (mN/µm).
-    stiffness: Estimate
-    # Normal stiffness during unloading (mN/µm).
-    unloading_stiffness: Estimate
-    # Points of the onset curve. The keys are tangential loads divided by the sliding load.
+    stiffness: Estimate  # mN/µm
+    unloading_stiffness: Estimate  # mN/µm
+    # The keys are tangential loads divided by the sliding load.
     curve: dict[float, OnsetCurvePoint]
-    # Fitted parameters of each presliding model, or an empty dict if the fit failed.
     models: dict[str, dict[str, float]]
 
 
@@ -345,7 +336,6 @@ def read_onset_summary(onset: xarray.Dataset) -> OnsetSummary:
 
 # ---- Files stored with a result -------------------------------------------------------------------------------------
 
-# Bounds of stored numbers that may be infinite, such as stiffnesses.
 _BOUNDS_THAT_INCLUDE_INFINITY = (-math.inf, math.inf)
 
 _ONSET_VARIABLE_SPECS: dict[str, VariableSpec] = {

@@ -43,13 +43,12 @@ if TYPE_CHECKING:
     from stiction.study.measured_bodies import ScanCutoffs
 
 CUTOFF_STUDY_DIRECTORY = "resolution"
-# Maximum numbers of members in a cutoff study. Height maps take much longer than profiles.
+# Height maps take much longer than profiles.
 MAX_CUTOFF_STUDY_MAP_MEMBERS = 4
 MAX_CUTOFF_STUDY_LINE_MEMBERS = 16
-# Maximum number of cutoffs above 0, which form a geometric sequence with ratio 2.
+# Cutoffs above 0 form a geometric sequence with ratio 2.
 MAX_CUTOFFS = 4
 FOUR_DIGIT_ROUNDING_ERROR = 5e-4
-# Longest cutoff in a cutoff study, as a fraction of the shortest side of the scans.
 MAX_CUTOFF_TO_SIDE_RATIO = 1 / 30
 
 
@@ -154,15 +153,11 @@ class ResolvedRoughness:
 
     # Shortest resolved wavelength (µm): the cutoff, or two grid spacings.
     shortest: float
-    # Two grid spacings, the shortest wavelength of unfiltered scans (µm).
-    two_points: float
-    # Longest side (µm) of the pressed bodies.
-    longest: float
-    # Rms gradient of the gap between the bodies of the first member.
+    two_points: float  # two grid spacings, µm
+    longest: float  # µm
     gradient: float
     roughness: ScaleDependentRoughness
-    # Fitted Hurst exponent of the gap, or None if no band of the spectrum is self-affine.
-    estimate: HurstEstimate | None
+    estimate: HurstEstimate | None  # None without a self-affine band
 
     @property
     def shortest_octave_fraction(self) -> float:
@@ -261,8 +256,7 @@ class CutoffResult:
     # Rms gradient, area fraction and pressure at the cutoff, and the friction under each sliding rule.
     values: dict[str, float]
     contact_status: str
-    # Cutoffs (µm) of all upper and all lower scans.
-    cutoffs: ScanCutoffs
+    cutoffs: ScanCutoffs  # µm
 
 
 @dataclass(frozen=True, eq=False)

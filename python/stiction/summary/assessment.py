@@ -49,21 +49,17 @@ Severity = Literal["caution", "fault"]
 YIELD_PRESSURE_RATIO, METAL_YIELD_PRESSURE_RATIO = 1 / 20, 1 / 100
 """Ratios of mean contact pressure to E* above which every material (first) and most metals (second) have yielded."""
 
-# A mean is reported only if all members together have at least this number of contacts.
 MIN_TOTAL_CONTACTS = 10
 MIN_CONTACTS_PER_MEMBER, MIN_CONTACTS_PER_MEMBER_WITHOUT_CAVEAT = 5, 10
 """Minimum mean numbers of contacts per member for quoting a coefficient, and for quoting it without a caveat."""
 
-# A coefficient is reported only if no single contact carries more than this fraction of the load.
 MAX_LOAD_FRACTION_ON_CONTACT = 0.5
 MAX_LOAD_FRACTION_AT_EDGE_WITHOUT_CAVEAT = 0.25
 MAX_LOAD_FRACTION_ON_CONTACT_WITHOUT_CAVEAT = 0.4
 
-# Contacts are assumed to have merged above this ratio of true to nominal area.
 MIN_MERGED_AREA_FRACTION = 0.3
 # A problem causes a caveat if it affects more than this fraction of the load, the members or the scan length.
 MAX_AFFECTED_FRACTION = 0.5
-# A scan gets a caveat if more than this fraction of its points is interpolated.
 MAX_INTERPOLATED_FRACTION = 0.02
 MAX_SCATTERED_MISSING_FRACTION = 0.02
 """Largest fraction of scattered missing points for which there is no caveat about holes in contacts."""
@@ -76,12 +72,10 @@ points. With 10 and 30 % missing, pairs with 10 to 200 points in contact lost 0.
 """
 MIN_DRIFT_EFFECT = 0.02
 """Relative standard error of the coefficient due to roughness drift above which the result has a caveat."""
-# Two scans get a caveat if the ratio of their grid spacings exceeds this number.
 MAX_SPACING_RATIO = 3.0
 
 # The interface counts as nearly as strong as the bulk above this ratio of τ0 to H/√α.
 NEARLY_BULK_STRENGTH_RATIO = 0.7
-# The interval has no upper limit if more than this fraction of the input samples gives unlimited friction.
 MAX_UNLIMITED_SAMPLE_FRACTION = 0.025
 MIN_UNLIMITED_SAMPLE_FRACTION = 0.01
 """Fraction of input samples without an upper limit of friction above which the result has a caveat.
@@ -101,7 +95,6 @@ MIN_MODULUS_TO_HARDNESS_RATIO = 25.0
 MIN_METAL_MODULUS = 20.0
 """Minimum E* (GPa) for which a yielding body of unknown material is assumed to be a metal."""
 
-# Neglected adhesion causes a caveat if its estimated load exceeds this fraction of the applied load.
 MAX_NEGLECTED_ADHESION_FRACTION = 0.05
 # Typical work of adhesion of solids in air, in mN/µm (50 mJ/m²).
 TYPICAL_WORK_OF_ADHESION = 5e-5
@@ -111,7 +104,6 @@ RIM_ATTRACTION_FACTOR = 4.3
 docs/explanation/adhesion.md describes the fit.
 """
 
-# A coefficient counts as equal to mu0 if it differs from mu0 by at most this fraction.
 MAX_DEVIATION_FROM_MU0 = 0.02
 # A number is multiplied by this factor before rounding, so that 2.25 is rounded up as in the report.
 ROUND_UP_FACTOR = 1 + 1e-12
@@ -173,7 +165,7 @@ class LimitCheck(NamedTuple):
         )  # fmt: skip
 
 
-# Groups of checks. In each group, only the first failed check is reported.
+# Only the first failed check of each group is reported.
 CheckGroups = Sequence[Sequence[LimitCheck]]
 
 ASSESSMENTS_BY_SEVERITY = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it"}
@@ -208,7 +200,6 @@ STATUS_EXPLANATIONS = {
 }
 """Meaning of, and remedy for, each status of a result point without a coefficient or without an upper limit."""
 
-# Name of the check that the interval of the mean is not too wide.
 WIDE_INTERVAL_CHECK_NAME = "half_width"
 
 SINGLE_POSITION_CHECK = LimitCheck(
@@ -331,7 +322,6 @@ def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
 def _build_contact_checks(study: Study) -> CheckGroups:
     """Return the checks of the contacts at a result point, in groups; the first group checks the pull-off force."""
     text = "the pull-off force is a lower bound"
-    # Two faces that are given by their gap have only one relative position.
     if not study.is_gap:
         text += f": {{}} of the {study.member_names.plural} have only a bound"
     remedy = "call half_space to see the reason as a warning"
@@ -365,7 +355,6 @@ def find_point_caveats(
         )
         return
     num_members = mean_over_directions(point, "members")
-    # Number of solved members in the direction that has the fewest.
     num_solved = float(point["ok"].min()) if "ok" in point else math.nan
     if num_solved < MAX_AFFECTED_FRACTION * num_members:
         text = f"only {num_solved:.0f} of {study.member_names.with_count(num_members)} have a coefficient"
@@ -444,7 +433,6 @@ def list_contact_check_names(study: Study) -> list[str]:
 def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> dict[str, Any]:
     area, count = mean_over_directions(point, "contact_area"), mean_over_directions(point, "contact_count")
     spacings = np.atleast_1d(point.attrs.get("spacing_um", math.nan)).astype(float)
-    # Area (µm²) of a grid cell for height maps in the half-space model, or NaN for other studies.
     cell_area = float(np.prod(spacings)) if spacings.size == 2 and study.uses_half_space else math.nan
     quantities = {name: mean_over_directions(point, name) for name in list_contact_check_names(study)}
     is_merged = _compute_area_fraction(point, study) > MIN_MERGED_AREA_FRACTION

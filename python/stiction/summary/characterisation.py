@@ -30,7 +30,6 @@ from stiction.surfaces.sections import SectionLengthError, SectionParameters, se
 from stiction.surfaces.spectrum import PowerSpectrum, ProfileMoments, RadialSpectrum, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import Surface
 
-# Interface friction coefficient mu0 that small-slope estimates assume.
 ASSUMED_MU0 = 0.4
 RADIAL_BINS_PER_DECADE = 20
 # If a spectrum has a Hann window, the variance of ln(density) in a bin of n harmonics is this number divided by n.
@@ -204,8 +203,7 @@ class Characterisation:
 
         The tuple is empty if the slopes along an axis are 0.
         """
-        # The gap between two equally rough bodies has twice the mean square slope of one body.
-        # Slopes are computed along y and x. Their order is reversed, so that the estimate along x comes first.
+        # The gap between two equally rough bodies has twice the mean square slope of one body; [::-1] puts x before y.
         mean_square_slopes = [2 * float(np.square(slopes).mean()) for slopes in compute_slopes(self.body)][::-1]
         return tuple(
             float(

@@ -54,7 +54,6 @@ if TYPE_CHECKING:
 
     from stiction.solve.store import StoredResult
 
-# Number of fractal dimensions that are shown if a study has a range of fractal dimensions.
 NUM_OVERVIEW_FRACTAL_DIMENSIONS = 4
 
 
@@ -187,8 +186,7 @@ class Evaluation(MemberSums):
         surfaces: Any = self.study.surfaces
         if isinstance(surfaces.fractal_dimension, tuple):
             return quantities
-        # If the study has a range of fractal dimensions, a few fractal dimensions suffice to draw a curve.
-        # If the study lists fractal dimensions, all listed fractal dimensions are shown.
+        # A few fractal dimensions of a range suffice to draw a curve; listed fractal dimensions are all shown.
         num_dimensions = quantities.sizes["fractal_dimension"]
         shown_indices = np.unique(
             np.linspace(0, num_dimensions - 1, min(NUM_OVERVIEW_FRACTAL_DIMENSIONS, num_dimensions)).round().astype(int)

@@ -25,10 +25,9 @@ if TYPE_CHECKING:
 
 MAX_DRAWN_PROFILES = 5
 MAX_DRAWN_CURVES = 8
-# Factors of the study's length scale for which a figure compares the surfaces.
 LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)
 MAX_SURFACE_SIDE_POINTS = 400
-# Maximum number of tau0 in a figure, which shows the lowest and the highest tau0 of a study.
+# A figure shows the lowest and the highest tau0 of a study.
 MAX_DRAWN_STRENGTHS = 2
 CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
 """Loads for which the onset of sliding is drawn, as fractions of the load range on a logarithmic scale."""

@@ -25,11 +25,8 @@ if TYPE_CHECKING:
 
 FRICTION_TABLE_TITLE = "stiction table"
 MIN_NUM_PRESSURES_FOR_STIFFNESS = 3
-# Directions of motion (degrees) over which the coefficient of isotropic surfaces is averaged.
-AVERAGED_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)
-# Largest true area fraction to which the laws of area and stiffness are fitted.
+AVERAGED_DIRECTIONS = (0.0, 90.0, 180.0, 270.0)  # degrees
 MAX_FITTED_AREA_FRACTION = 0.1
-# A fitted law gets a caveat if a mean deviates from the law by more than this fraction.
 MAX_DEVIATION_FROM_FITTED_LAW = 0.1
 _DIMENSION_ORDER = ("repetition", "fractal_dimension", "amplitude", "load")
 
@@ -223,7 +220,6 @@ def friction_table(
         # The approach is nearly linear in ln(load), so it is differentiated with respect to ln(load).
         approach_derivative = np.gradient(approach, np.log(pressure_steps), axis=-1, edge_order=2)
         stiffness = STIFFNESS_PER_AREA_FACTOR * pressure_steps / approach_derivative
-    # The computed loads that were not requested are left out.
     requested_loads = [float(load) for load in study.friction.load] or dataset["load"].values
     indices = np.flatnonzero(np.isin(dataset["load"].values, requested_loads))
     dataset, pressure = dataset.isel(load=indices), pressure_steps[indices]

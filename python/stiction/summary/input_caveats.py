@@ -49,8 +49,7 @@ INSTRUMENT_LIMIT_REASON_TEXTS = {
 
 # Above this ratio of height to length of a scan, the unit of the heights must be wrong.
 MAX_HEIGHT_OVER_EXTENT = 10.0
-# Largest plausible mu0. A larger number is probably a percentage.
-# Clean metals in vacuum can have a larger coefficient, but because of adhesion and junction growth (tau0), not mu0.
+# A larger mu0 is probably a percentage: clean metals in vacuum reach it only by adhesion and junction growth (tau0).
 MAX_PLAUSIBLE_MU0 = 2.0
 
 MAX_PARABOLA_HEIGHT_FRACTION = 0.6
@@ -65,14 +64,12 @@ MAX_STEP_MEAN_SQUARE_FRACTION = 0.65
 The largest fraction of 540 simulated profiles and 540 simulated maps without a step was 0.62.
 """
 
-# A single spectral peak causes a caveat if it makes up more than this fraction of the fourth spectral moment.
 MAX_SPECTRAL_PEAK_FRACTION = 0.1
 REPEATED_SCANS_REMEDY = "two scans of one place show which (stiction characterise --repeated)"
 CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
     f"the surface; {REPEATED_SCANS_REMEDY}"
 )
-# Two scans of one surface get a caveat if the ratio of their spectra exceeds this number.
 MAX_RATIO_OF_TWO_SPECTRA = 2.0
 MAX_PRESSURE_OVER_MODULUS = 0.1
 """Largest plausible ratio of nominal pressure to E*. A higher load is probably the load on the whole component."""

@@ -40,7 +40,6 @@ STIFFNESS_OVER_MEASURED_STIFFNESS = (0.45, 1.19)
 These are tangent stiffnesses of two rock fractures from 1 to 9.8 MPa, see docs/explanation/experiments.md. No other
 joint has been compared.
 """
-# Largest relative difference of two loads that count as equal.
 MAX_LOAD_ROUND_OFF = 1e-9
 MIN_PREDICTION_POSITIONS = 3
 # The materials of two bodies count as similar below this value of Dundurs' second constant β.
@@ -384,7 +383,6 @@ def _explain_missing_percentiles(study: Study, at: xarray.Dataset) -> str:
     coefficients = at["friction_combined"].sel(statistic="mean").values
     if (np.abs(coefficients) < NEGLIGIBLE_COEFFICIENT).all():
         return "the coefficient is 0"
-    # A gap between two faces has only one relative position.
     if int(at["members"]) < MIN_PREDICTION_POSITIONS and not study.is_gap:
         return "a prediction needs at least three positions"
     return "a prediction needs a coefficient with an interval"

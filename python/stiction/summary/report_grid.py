@@ -35,9 +35,8 @@ GENERATED_MU0_VALUES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 Reports on generated surfaces have more loads, and therefore fewer mu0 and tau0.
 """
 
-# Maximum number of steps of the tau0 slider, for measured (True) and generated surfaces (False).
+# Limits for measured surfaces (True) and for generated surfaces (False).
 MAX_TAU0_STEPS = {True: 6, False: 5}
-# Maximum number of mu0 or tau0 in a report. A report leaves out some numbers of a longer list in the study.
 MAX_SHOWN_MU0_OR_TAU0 = 9
 # Largest tau0 in a report, as a fraction of E*, unless the study has a larger tau0.
 MAX_TAU0_OVER_MODULUS = 0.02

@@ -98,8 +98,7 @@ def evaluate_measured_report(grid: ReportGrid) -> ReportValuesOfMeasuredSurfaces
     estimates, sampling, status_codes, num_solved, slopes = (
         np.stack(arrays) for arrays in zip(*(_stack_motions(values, grid.motions) for values in tables), strict=True)
     )
-    # There are combined intervals only for the reported kind of member (positions or surrogates),
-    # and only for the mean over all directions.
+    # Combined intervals exist only for the mean over all directions, and only for the reported kind of member.
     has_combined = np.zeros((len(tables), len(grid.motions)), bool)
     has_combined[0] = [len(motion) == len(grid.motions[0]) for motion in grid.motions]
     estimates[
@@ -174,7 +173,6 @@ def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.int
 # ---- Generated surfaces ----------------------------------------------------------------------------------------------
 
 # Mean ratio of overlap to radius above which the asperity model is invalid.
-# The limit of validity indicators that are load fractions is `MAX_AFFECTED_FRACTION`.
 MAX_OVERLAP_RADIUS_RATIO = 0.1
 
 STATUSES_OF_GENERATED_SURFACES = (

@@ -68,7 +68,6 @@ if TYPE_CHECKING:
 
 # Label of the budget entry for short wavelengths that the automatic cutoff removes as possible noise.
 POSSIBLE_NOISE_INPUT_NAME = "possible instrument noise"
-# An input counts as dominant if an exact value of the input would narrow the interval by at least this fraction.
 MIN_DOMINANT_INPUT_FRACTION = 0.1
 
 
@@ -78,7 +77,6 @@ class UncertaintyBudgetEntry(Estimate):
 
     _: KW_ONLY
     label: str
-    # Mean width of the friction interval that would remain if the input were exact.
     width: float
 
 
@@ -460,7 +458,7 @@ def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
     The returned list begins with the points at the reported cutoff. The points at the other cutoff are marked as
     covered.
     """
-    # The first point is at the reported cutoff. The interval of its coefficient covers the points at the other cutoff.
+    # The interval of the coefficient at the first point, at the reported cutoff, covers the points at the other cutoff.
     cut_off = points[0].at["cut_off"]
     points_at_other_cutoff = {
         _get_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off
