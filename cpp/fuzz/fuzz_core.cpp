@@ -1,6 +1,5 @@
 // Fuzz test of the core functions with arbitrary numbers.
-// Each core function must either throw std::invalid_argument or return results that satisfy the checked invariants.
-// Sanitizers detect all other faults, such as access outside an array.
+// Core functions must throw std::invalid_argument or return results that satisfy the checked invariants.
 #include "stiction/amplitude.hpp"
 #include "stiction/areal.hpp"
 #include "stiction/asperity.hpp"
@@ -27,7 +26,7 @@ void require(bool condition, const char* invariant) {
   }
 }
 
-// Source of numbers that are decoded from the bytes of the fuzzer. Most numbers are moderate, and some are arbitrary.
+// Most numbers decoded from the fuzzer's bytes are moderate, and some are arbitrary.
 class Source {
  public:
   Source(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
@@ -110,7 +109,7 @@ void fuzz_contact(Source& source) {
             "no more contacts than points");
     require(!(sums[k].contact_area < 0.0), "no negative area");
     const std::vector<stiction::Contact> table = stiction::contacts(pair, approaches[k], model);
-    // `contacts` and `press` search for candidates up to different approaches, but must find the same contacts.
+    // `contacts` and `press` search for candidates up to different approaches.
     require(static_cast<stiction::Index>(table.size()) == sums[k].contact_count, "contacts and press agree");
     for (const stiction::Contact& contact : table) {
       require(contact.overlap > 0.0 && contact.radii.minor > 0.0, "contacts overlap and are convex together");
@@ -119,7 +118,7 @@ void fuzz_contact(Source& source) {
   }
 }
 
-// Two maps of equal shape. Heights have any magnitude. Some heights are equal, and some regions are level.
+// Heights have any magnitude. Some heights are equal, and some regions are level.
 struct Maps {
   stiction::Matrix upper;
   stiction::Matrix lower;
@@ -184,7 +183,7 @@ void fuzz_areal(Source& source) {
                 candidate.column + 1 < maps.upper.cols(),
             "minima lie in the map");
   }
-  // Seen from above, the contact ellipse on a steep wall is very narrow. Round-off then changes the fraction inside.
+  // Seen from above, the ellipse on a steep wall is so narrow that round-off changes the fraction inside the map.
   const bool steep =
       std::any_of(candidates.all.begin(), candidates.all.end(), [](const stiction::ArealCandidate& candidate) {
         return candidate.normal.z() < 1e-5 || candidate.radii.major > 1e12 * candidate.radii.minor;
@@ -202,7 +201,7 @@ void fuzz_areal(Source& source) {
   for (std::size_t k = 0; k < approaches.size(); ++k) {
     const stiction::ArealSums& row = sums[k];
     const double round_off_factor = 1.0 + 1e-12;
-    const double min_normal = 1e-300;  // tolerance for the round-off of denormal numbers
+    const double min_normal = 1e-300;  // round-off of denormal numbers
     require(!(row.contact_area < 0.0), "no negative area");
     require(row.unanswered_count <= row.grid_minimum_count, "no more unanswered minima than grid minima");
     require(!(row.load_at_edge > round_off_factor * row.normal_elastic),

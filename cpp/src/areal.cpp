@@ -39,8 +39,7 @@ void check(const SurfacePair& pair, double deepest) {
   }
 }
 
-// Smallest and largest gap in a row of two maps, and largest |height| in the same row of both maps.
-// The member `zero` is 0 if all heights of the row are finite, and NaN otherwise.
+// `zero` is 0 if all heights of the row are finite, and NaN otherwise.
 struct RowRange {
   double lowest;
   double highest;
@@ -87,12 +86,10 @@ void subtract(const double* upper, const double* lower, Index size, double offse
   }
 }
 
-// Mark the grid minima of a row at which the gap is at most `deepest`.
-// At a grid minimum, the gap is not larger than at any of the eight neighbours, except for round-off.
+// A grid minimum is a point whose gap is at most `deepest` and, except for round-off, at most that of 8 neighbours.
 STICTION_MULTIVERSION
 void mark_grid_minima(const double* above, const double* at, const double* below, Index size, double deepest,
                       double round_off, unsigned char* marks) {
-  // If all gaps in a block of points are larger than `deepest`, the block is skipped as a whole.
   constexpr Index block = 32;
   for (Index first = 1; first + 1 < size; first += block) {
     const Index end = std::min(first + block, size - 1);
@@ -110,19 +107,17 @@ void mark_grid_minima(const double* above, const double* at, const double* below
   }
 }
 
-// Tile of a map: its cells, and the surrounding points that influence the spline in these cells.
-// Tiles are so small that all arrays of a tile fit into the processor cache.
+// Cells of a map and the surrounding points that influence their spline, so few that a tile fits into the cache.
 struct Tile {
-  CellRange cells;  // range of map cells
-  Index row;        // row of the first point in the map
-  Index column;     // column of the first point in the map
-  Index rows;       // number of rows of points
+  CellRange cells;
+  Index row;  // (row, column) is the first point in the map
+  Index column;
+  Index rows;
   Index columns;
 };
 
 std::vector<Tile> make_tiles(Index rows, Index columns) {
-  constexpr Index size = 256;  // number of cells along each side of a tile
-  // Each tile includes 32 surrounding points on each side.
+  constexpr Index size = 256;
   // A height more than 32 points away changes the spline by less than 0.268^32 = 5e-19 of this height.
   constexpr Index margin = 32;
   std::vector<Tile> tiles;
@@ -138,8 +133,7 @@ std::vector<Tile> make_tiles(Index rows, Index columns) {
   return tiles;
 }
 
-// Return sqrt(a² + b²) without intermediate overflow.
-// std::hypot is not used, because std::hypot alone would require a newer C library.
+// sqrt(a² + b²) without intermediate overflow. std::hypot would require a newer C library.
 double length(double a, double b) {
   const double longer = std::max(std::abs(a), std::abs(b));
   const double ratio = std::min(std::abs(a), std::abs(b)) / longer;
@@ -148,14 +142,12 @@ double length(double a, double b) {
 
 double smaller_curvature(double xx, double xy, double yy) { return 0.5 * (xx + yy) - length(0.5 * (xx - yy), xy); }
 
-// Grid point at which the gap is not larger than at any neighbour.
 struct GridMinimum {
   Index row;
   Index column;
   double gap;
 };
 
-// Minimum of the spline of the gap, with the height and the derivatives of the lower surface at this minimum.
 struct SplineMinimum {
   Minimum minimum;
   Jet lower;
@@ -196,7 +188,7 @@ void add_candidate(const SurfacePair& pair, const SplineMinimum& spline_minimum,
 ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, double yy) {
   const double q2 = 1.0 + slope.squaredNorm();
   const double q = std::sqrt(q2);
-  // With the slope p and q = sqrt(1 + p²), the power (I + p pᵀ)^(-1/2) of the metric is I - p pᵀ / (q (q + 1)).
+  // With q = sqrt(1 + p²), the power (I + p pᵀ)^(-1/2) of the metric is I - p pᵀ / (q (q + 1)).
   // The matrix (a, b; b, c) is (I + p pᵀ)^(-1/2) · (Hessian matrix) · (I + p pᵀ)^(-1/2).
   const double factor = 1.0 / (q * (q + 1.0));
   const double r00 = 1.0 - factor * slope.x() * slope.x();
@@ -255,8 +247,7 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
   std::vector<SplineMinimum> spline_minima;
   const double offset = pair.lower(0, 0);
   const double round_off = round_off_fraction * range.largest;
-  // Slopes and curvatures per grid step count as zero up to `level_limit` [µm].
-  // `level_limit` must not be below the round-off of the heights.
+  // Slopes and curvatures up to `level_limit` [µm] count as zero. The limit must not be below the round-off of heights.
   const double level_limit = std::max(level_fraction * (range.highest - range.lowest), 16.0 * round_off);
   for (const Tile& tile : tiles) {
     check_cancellation();
@@ -287,7 +278,7 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
     natural_bicubic(spline);
     for (const Minimum& minimum : minima_in_tile) {
       spline_minima.push_back({minimum, at_minimum(spline, minimum)});
-      // Slopes below `level_limit` count as zero, so that round-off does not decide which contacts oppose the motion.
+      // Round-off must not decide which contacts oppose the motion.
       for (double* slope : {&spline_minima.back().lower.x, &spline_minima.back().lower.y}) {
         *slope = std::abs(*slope) > level_limit ? *slope : 0.0;
       }

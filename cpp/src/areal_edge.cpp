@@ -32,11 +32,9 @@ MapEdges::MapEdges(const ArealCandidates& candidates, const ArealCandidate& cand
 
 // Let h be the distance of a side of the parallelogram from the centre of the unit circle.
 // The sector between the angles φ₁ and φ₂ contributes (1/2π) ∫ h²/cos²φ dφ to the area fraction inside the map.
-// The Hertzian pressure varies as (1 - r²)^(1/2) with the distance r from the centre of the unit circle.
-// The sector between φ₁ and φ₂ contributes (1/2π) ∫ 1 - (1 - h²/cos²φ)^(3/2) dφ to the force fraction inside the map.
+// The sector contributes (1/2π) ∫ 1 - (1 - h²/cos²φ)^(3/2) dφ to the force fraction, for Hertzian pressure.
 // If |tan φ| > (1 - h²)^(1/2)/h, the side is outside the unit circle, so the whole sector lies inside the map.
-// The integrals are evaluated in closed forms that avoid cancellation if little of the ellipse lies inside the map.
-// For example, if a single side cuts the unit circle, the fraction (2 + 3 h - h³)/4 of the force lies inside the map.
+// The closed forms of the integrals avoid cancellation if little of the ellipse lies inside the map.
 InsideFractions MapEdges::fractions_inside(double overlap) const {
   InsideFractions sum{0.0, 0.0};
   const double radius = std::sqrt(overlap);

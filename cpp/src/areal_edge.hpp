@@ -8,25 +8,22 @@
 
 namespace stiction {
 
-// Fractions of the force and of the area of a contact that lie inside the map.
 struct InsideFractions {
   double force;
   double area;
 };
 
-// The four edges of the map, as sides of a parallelogram around the unit circle.
-// In the coordinates of the parallelogram, the contact ellipse at unit overlap is the unit circle.
+// The map is a parallelogram in the coordinates in which the contact ellipse at unit overlap is the unit circle.
 class MapEdges {
  public:
   MapEdges(const ArealCandidates& candidates, const ArealCandidate& candidate);
 
-  // Compute the fractions of a Hertzian contact with the given overlap [µm] that lie inside the map.
   InsideFractions fractions_inside(double overlap) const;
 
  private:
-  std::array<double, 4> distance_;  // distance of each side from the centre
+  std::array<double, 4> distance_;  // distance of each side of the parallelogram from the centre of the unit circle
   std::array<std::array<double, 2>, 4>
-      // Tangents of the angles at both ends of each side of the parallelogram, measured from the normal of the side.
+      // For both ends of each side: tangent of the angle at the centre between the end and the side's normal.
       corners_;
 };
 

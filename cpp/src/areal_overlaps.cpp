@@ -8,11 +8,9 @@
 namespace stiction {
 namespace {
 
-// Return whether two ellipses overlap if the vector between their centres is r.
-// The ellipses are separate if t (1 - t) rᵀ [(1 - t) A + t B]⁻¹ r > 1 for some t in (0, 1).
+// Two ellipses are separate if t (1 - t) rᵀ [(1 - t) A + t B]⁻¹ r > 1 for some t in (0, 1), r between their centres.
 // Source: Perram & Wertheim, J. Comput. Phys. 58 (1985) 409.
-// Multiplied by det[(1 - t) A + t B], the condition of separation states that a cubic polynomial in t is positive.
-// The cubic polynomial in t is negative at t = 0 and at t = 1, so it suffices to test its maximum in between.
+// Multiplied by det[(1 - t) A + t B], the condition states that a cubic polynomial is positive at its maximum.
 bool ellipses_overlap(const ProjectedEllipse& a, double a_size, const ProjectedEllipse& b, double b_size,
                       const Vector2& r) {
   const auto a_form = a_size * (a.yy * r.x() * r.x() - 2.0 * a.xy * r.x() * r.y() + a.xx * r.y() * r.y());
@@ -28,9 +26,7 @@ bool ellipses_overlap(const ProjectedEllipse& a, double a_size, const ProjectedE
     return true;
   }
   const double root = std::sqrt(discriminant);
-  const double t =
-      // Position of the maximum of the cubic polynomial in t.
-      second < 0.0 ? first / (root - second) : -(root + second) / (3.0 * third);
+  const double t = second < 0.0 ? first / (root - second) : -(root + second) / (3.0 * third);
   const double s = 1.0 - t;
   const bool apart =
       t > 0.0 && s > 0.0 &&
@@ -54,8 +50,7 @@ std::size_t first_contact_step(const ArealCandidate& candidate, Values approache
                                   approaches.begin());
 }
 
-// The centres of the contact ellipses do not move during the approach.
-// Two ellipses that overlap at one approach overlap at all larger approaches, because ellipses grow with the approach.
+// Two ellipses that overlap at one approach overlap at all larger approaches: they grow, and their centres stay.
 std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, Values approaches,
                                         const CancellationCheck& check_cancellation) {
   struct Footprint {
@@ -91,7 +86,7 @@ std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, 
       const auto at = [&](std::size_t k) {
         return ellipses_overlap(left.shape, a.overlap(approaches[k]), right.shape, b.overlap(approaches[k]), apart);
       };
-      // An approach is skipped if both ellipses are known to overlap other ellipses at this approach.
+      // Skip approaches at which both ellipses are known to overlap other ellipses.
       std::size_t begin = std::max(left.begin, right.begin);
       std::size_t end = std::max(first[left.index], first[right.index]);
       if (begin >= end || std::abs(apart.y()) > left.half_height + right.half_height || !at(end - 1)) {

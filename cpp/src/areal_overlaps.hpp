@@ -17,11 +17,9 @@ struct ProjectedEllipse {
 
 ProjectedEllipse projected_ellipse(const ArealCandidate& candidate);
 
-// Return the index of the first approach at which the surfaces touch at a candidate.
 std::size_t first_contact_step(const ArealCandidate& candidate, Values approaches);
 
-// Return, for each candidate, the index of the first approach at which its ellipse overlaps another ellipse.
-// The index is approaches.size() for an ellipse that never overlaps another ellipse.
+// Return, for each candidate, the index of the first approach with an overlap, or approaches.size() if there is none.
 std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, Values approaches,
                                         const CancellationCheck& check_cancellation);
 

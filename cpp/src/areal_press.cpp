@@ -19,7 +19,6 @@ double elastic_area(const Ellipse& ellipse, double overlap) {
   return pi * std::sqrt(ellipse.major * ellipse.minor) * overlap;
 }
 
-// Laws other than HertzSphere are applied to a sphere whose radius is the geometric mean of the principal radii.
 template <class AnyLaw>
 ForceArea force_and_area(const AnyLaw& law, const ArealCandidate& candidate, double overlap) {
   return law(overlap, candidate.radii);
@@ -30,7 +29,6 @@ ForceArea force_and_area(const HertzSphere& law, const ArealCandidate& candidate
           elastic_area(candidate.ellipse, overlap)};
 }
 
-// Return the ratio of the contact area to the area of the elastic contact ellipse.
 // Yielding changes the size of the contact ellipse, but not its shape.
 template <class AnyLaw>
 double relative_area(const AnyLaw&, const ArealCandidate& candidate, double overlap, double area) {
@@ -46,14 +44,12 @@ void reject_cylinders(const Law& law) {
   }
 }
 
-// A sliding contact with normal n and tangent t has five factors: -s·n, -c·n, t_z, -s·t and -c·t.
-// In the factors, s is the sliding direction and c the lateral direction.
-// The force is multiplied by all five factors. The area is multiplied by the three factors that contain the tangent t.
+// Factors of a contact: -s·n and -c·n of its force, and t_z, -s·t and -c·t of its force and of its area.
+// s is the sliding direction, c the lateral direction, n the contact normal and t the direction of friction.
 constexpr std::size_t num_factors = 5;
 constexpr std::size_t num_normal_factors = 2;
 constexpr std::size_t num_directed_sums = 2 * num_factors - num_normal_factors;
 
-// Compute the factors of a contact for all directions. The factors are 0 for directions in which friction does not act.
 STICTION_MULTIVERSION
 void compute_factors(const Vector3& normal, const double* directions_xy, std::size_t direction_count, bool all,
                      double* factors) {
@@ -74,12 +70,11 @@ void compute_factors(const Vector3& normal, const double* directions_xy, std::si
   }
 }
 
-constexpr std::size_t contacts_per_block = 16;  // number of contacts whose sums are accumulated together
+constexpr std::size_t contacts_per_block = 16;
 
-// Add the sums Σ_i factors(i, m, d) values(i, k) over the contacts i of a block to `sums`.
-// The indices of `sums` are the direction d, the factor m and the approach k.
-// The approach index k runs from `begin` to `steps`, both of which are multiples of every SIMD width.
-// In the first `num_factors` sums, `values` are forces. In the remaining sums, `values` are areas.
+// Add Σ_i factors(i, m, d) values(i, k) over the contacts i of a block to sums(d, m, k), for approaches k >= `begin`.
+// `values` are forces for the first `num_factors` sums, and areas for the others.
+// `begin` and `steps` are multiples of every SIMD width.
 template <std::size_t Width>
 STICTION_INLINE void add_block_kernel(const double* factors, const double* force, const double* area,
                                       std::size_t contacts, std::size_t direction_count, std::size_t begin,
@@ -136,7 +131,7 @@ std::vector<Contact> contacts(const ArealCandidates& candidates, double approach
         force *= inside.force;
         area *= inside.area;
       }
-      // The contact patch has the shape of the elastic ellipse, and the area of the contact that lies inside the map.
+      // The contact patch has the shape of the whole elastic ellipse, but only the area that lies inside the map.
       const double scale = area / (pi * std::sqrt(candidate.ellipse.major * candidate.ellipse.minor));
       result.push_back({candidate.row * candidates.columns + candidate.column,
                         candidate.position - 0.5 * overlap * candidate.normal, candidate.normal,
@@ -165,7 +160,7 @@ std::vector<ArealSums> press(const ArealCandidates& candidates, Values approache
   const std::size_t direction_count = directions.size();
   const double max_spacing = candidates.spacing.maxCoeff();
   const std::vector<std::size_t> overlapping = first_overlaps(candidates.all, approaches, check_cancellation);
-  std::vector<ArealSums> common(steps);  // sums that do not depend on the direction
+  std::vector<ArealSums> common(steps);
   const auto whole_packs = [](std::size_t count) { return count / widest_pack * widest_pack; };
   const std::size_t padded_steps = whole_packs(steps + widest_pack - 1);
   std::vector<double> sums(direction_count * num_directed_sums * padded_steps, 0.0);
@@ -177,7 +172,6 @@ std::vector<ArealSums> press(const ArealCandidates& candidates, Values approache
     directions_xy[d] = directions[d].x();
     directions_xy[direction_count + d] = directions[d].y();
   }
-  // Contacts are sorted by their first approach, so that the contacts of a block begin at similar approaches.
   struct Start {
     std::size_t candidate;
     std::size_t begin;

@@ -12,16 +12,14 @@
 namespace stiction {
 namespace {
 
-// At inner points, the spline coefficients c of the heights z satisfy c_(i-1) + 4 c_i + c_(i+1) = 6 z_i.
-// At the end points, c = z, because the second derivative of the spline is zero there.
+// Spline coefficients c of heights z satisfy c_(i-1) + 4 c_i + c_(i+1) = 6 z_i at inner points, and c = z at both ends.
 
-// Gaussian elimination along a row is sequential, so the row is multiplied by the inverse of the matrix instead.
+// The row is multiplied by the inverse of the spline matrix, because Gaussian elimination along a row is sequential.
 // The inverse is -6 a / ((1 - a s) (1 - a / s)), where s is a shift by one point, and a = sqrt(3) - 2.
-// The factor 1 / (1 - a s) is the product of 1 + a s, 1 + a² s², 1 + a⁴ s⁴ and so on.
-// Each factor of the inverse is applied in a separate pass over the row, which computes many points in parallel.
-// The row of heights and its spline are continued beyond both ends by point reflection.
+// The factor 1 / (1 - a s) is the product of 1 + a s, 1 + a² s², 1 + a⁴ s⁴ and so on, one pass over the row each.
+// The row is continued beyond both ends by point reflection.
 constexpr std::array<Index, 5> shifts{1, 2, 4, 8, 16};
-// Truncating the inverse matrix after 32 points changes a coefficient by 0.268^32 = 5e-19 of a height.
+// Truncating the inverse after 32 points changes a coefficient by 0.268^32 = 5e-19 of a height.
 constexpr Index reach = 32;
 
 struct PassFactors {
@@ -30,7 +28,6 @@ struct PassFactors {
 };
 
 // Each pass over a row multiplies by (1 + b² + b (s + 1/s)) / (1 + b²), with the shift s and b = a, a², a⁴ and so on.
-// The last pass includes the constant factor of the inverse.
 constexpr std::array<PassFactors, shifts.size()> row_passes() {
   std::array<PassFactors, shifts.size()> result{};
   double b = -0.26794919243112270647;  // sqrt(3) - 2
@@ -44,8 +41,7 @@ constexpr std::array<PassFactors, shifts.size()> row_passes() {
   return result;
 }
 
-// Compute the spline coefficients of one row in place, including one coefficient beyond each end.
-// `work` contains 2 · length values, where `length` is the result of `work_length`.
+// `row` includes one coefficient beyond each end. `work` contains 2 · length values (see `work_length`).
 template <std::size_t Width>
 STICTION_INLINE void solve_row_kernel(double* row, Index points, Index length, double* work) {
   constexpr std::array<PassFactors, shifts.size()> passes = row_passes();
@@ -76,7 +72,7 @@ STICTION_KERNEL(solve_row, (double* row, Index points, Index length, double* wor
 
 Index work_length(Index points) { return points + 2 * reach + static_cast<Index>(widest_pack); }
 
-// Return the reciprocal pivots of Gaussian elimination: 1/4, 1/(4 - 1/4) and so on, which tend to 2 - sqrt(3).
+// Reciprocal pivots: 1/4, 1/(4 - 1/4) and so on, which tend to 2 - sqrt(3).
 std::vector<double> pivots(Index points) {
   std::vector<double> result(static_cast<std::size_t>(points), 0.0);
   for (std::size_t i = 1; i < result.size(); ++i) {
@@ -85,8 +81,7 @@ std::vector<double> pivots(Index points) {
   return result;
 }
 
-// Solve `lines` systems of `points` equations by Gaussian elimination, many systems in parallel.
-// At each point, the unknowns of all systems are contiguous in memory. Successive points are `stride` elements apart.
+// At each point, the unknowns of all systems are contiguous. Successive points are `stride` elements apart.
 STICTION_MULTIVERSION
 void solve_columns(double* values, Index points, Index lines, Index stride, const double* pivot) {
   for (Index i = 1; i + 1 < points; ++i) {
@@ -116,7 +111,6 @@ void solve_columns(double* values, Index points, Index lines, Index stride, cons
   }
 }
 
-// Compute the slope at a point as factor · (after - before), from the coefficients of the points on both sides.
 STICTION_MULTIVERSION
 void scaled_differences(const double* before, const double* after, Index size, double factor, double* result) {
   for (Index i = 0; i < size; ++i) {
@@ -124,7 +118,7 @@ void scaled_differences(const double* before, const double* after, Index size, d
   }
 }
 
-// Number of columns per strip. A strip stays in the processor cache during elimination and back substitution.
+// A strip of this number of columns stays in the cache during elimination and back substitution.
 constexpr Index columns_per_strip = 64;
 
 struct Basis {
@@ -133,7 +127,6 @@ struct Basis {
   std::array<double, 4> second;
 };
 
-// Return the values and derivatives of the four cubic B-splines of a cell at the position t in [0, 1].
 STICTION_INLINE Basis basis(double t) {
   const double s = 1.0 - t;
   return {{s * s * s / 6.0, 2.0 / 3.0 - t * t * (1.0 - 0.5 * t), 2.0 / 3.0 - s * s * (1.0 - 0.5 * s), t * t * t / 6.0},

@@ -9,7 +9,6 @@
 namespace stiction {
 namespace {
 
-// Index of the table entry before a fractional index, and weights of this entry and the next.
 struct Neighbours {
   Index before;
   double weight_before;

@@ -12,7 +12,7 @@ STICTION_INLINE void simd_width_kernel(std::size_t& width) {
   width = Width;
 }
 
-// `simd_width` shows which instruction set the hot loops use, because the loader selects all versions by the same rule.
+// The loader selects all versions by the same rule, so `simd_width` shows the instruction set of the hot loops.
 STICTION_KERNEL(simd_width, (std::size_t& width), (width))
 
 std::string instruction_set() {

@@ -16,7 +16,7 @@
 namespace stiction {
 namespace {
 
-// A profile, and the derivatives of its spline in a range of indices. The spline interpolates the whole profile.
+// The spline interpolates the whole profile, but its derivatives are stored only in a range of indices.
 class SplinedProfile {
  public:
   SplinedProfile(Values heights, double max_abs, double spacing, Side side)
@@ -40,7 +40,7 @@ class SplinedProfile {
   double slope(std::size_t i) const { return slope_[i - begin_]; }
   double curvature(std::size_t i) const { return curvature_[i - begin_]; }
 
-  // Height, slope and curvature of the spline at a distance t [µm] to the right of point i, up to point i + 1.
+  // `t` is the distance [µm] to the right of point i, at most up to point i + 1.
   double height(std::size_t i, double t) const {
     return height(i) + t * (slope(i) + 0.5 * t * (curvature(i) + t / (3.0 * spacing_) * curvature_change(i)));
   }
@@ -66,12 +66,11 @@ class SplinedProfile {
   std::vector<double> curvature_;
 };
 
-// Point at which the detection method allows contact between two profiles.
 struct Site {
-  std::size_t index;    // index of the grid point
-  double offset;        // distance from the grid point [µm]
-  double lower_height;  // height of the lower profile [µm]
-  double gap;           // gap at first contact of the grid points [µm]
+  std::size_t index;
+  double offset;  // distance from the grid point `index` [µm]
+  double lower_height;
+  double gap;
 };
 
 std::optional<Site> find_site(const SplinedProfile& upper, const SplinedProfile& lower, std::size_t i, double spacing,
@@ -86,7 +85,7 @@ std::optional<Site> find_site(const SplinedProfile& upper, const SplinedProfile&
   return Site{i, *t, lower_height, (upper.height(i, *t) - lower_height) - zero};
 }
 
-// Store in `asperity_pair` the two asperities that face each other at a site. Returns false if they cannot touch.
+// Returns false if the asperities cannot touch.
 bool set_asperity_pair(const SplinedProfile& upper, const SplinedProfile& lower, const Site& site, Curvature curvature,
                        AsperityPair& asperity_pair) {
   const Asperity upper_asperity = upper.asperity(site.index, site.offset);
@@ -174,10 +173,9 @@ void for_each_candidate(const ProfilePair& pair, const Prefilter& prefilter, dou
   const bool by_cell = detection == Detection::cell;
   const bool two_convex_spheres = curvature == Curvature::convex && !upper.is_flat() && !lower.is_flat();
 
-  // In cell detection, only the gaps at grid points matter, so `dip` is 0.
-  // In gap-minimum detection, a minimum of the gap may lie below both adjacent grid points, by at most `dip`.
+  // In gap-minimum detection, the gap may dip below both adjacent grid points.
   const double dip = by_cell ? 0.0 : max_dip(pair.upper, pair.lower);
-  constexpr std::size_t chunk_size = 254;  // number of points in a chunk of derivatives
+  constexpr std::size_t chunk_size = 254;
   std::array<unsigned char, chunk_size> marks;
   Candidate candidate{};
   for (const IndexRange& range : ranges_within(pair.upper, pair.lower, prefilter, deepest + dip)) {

@@ -9,11 +9,9 @@ namespace stiction {
 
 [[noreturn]] void fail(const std::string& message);
 
-/// Check that there is at least one approach, and that all approaches are finite, >= 0 and strictly increasing.
-/// Also check that no approach exceeds `deepest`, up to which candidates were found. Throws std::invalid_argument.
+/// Throw std::invalid_argument unless approaches are finite, >= 0, strictly increasing and at most `deepest`.
 void check_approaches(Values approaches, double deepest);
 
-/// Throw std::invalid_argument unless a direction is a horizontal unit vector.
 void check_direction(const Vector2& direction);
 
 }  // namespace stiction

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 
-// Call `visit(k, contact point, class)` for each approach index k at which the class is `contact` or `crossed`.
+// Visit only approaches k at which the class of the contact point is `contact` or `crossed`.
 template <class Visit>
 void visit_contact_points(const Candidate& candidate, Values approaches, double half_cell, const Visit& visit) {
   const auto first = std::lower_bound(approaches.begin(), approaches.end(), candidate.gap);

@@ -29,8 +29,6 @@ std::vector<double> sample_quantiles(Values values, Values probabilities) {
   return quantiles;
 }
 
-// Return quantiles of weighted values, interpolated on the cumulative weight of the sorted values.
-// The cumulative weight of a value includes the weights of all smaller values and half of its own weight.
 std::vector<double> weighted_quantiles(Values values, Values weights, Values probabilities) {
   std::vector<std::pair<double, double>> sorted(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {

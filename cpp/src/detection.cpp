@@ -9,7 +9,6 @@
 namespace stiction {
 namespace {
 
-// Largest |height| and NaN marker of two profiles for each SIMD lane, computed in one pass over the heights.
 struct PassSums {
   static constexpr std::size_t lanes = 16;
 
@@ -19,7 +18,6 @@ struct PassSums {
   double lower_max_abs[lanes] = {};
 };
 
-// Compute the largest |height| of each profile, and write the smallest gap of each block to `block_min_gap`.
 STICTION_MULTIVERSION
 PassSums scan_blocks(const double* upper, const double* lower, std::size_t size, double* block_min_gap) {
   constexpr std::size_t lanes = PassSums::lanes;
@@ -102,8 +100,8 @@ Prefilter run_prefilter(Values upper, Values lower) {
 }
 
 std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap) {
-  constexpr std::size_t granularity = 8;      // the ends of the ranges are multiples of this number of points
-  constexpr std::size_t merge_distance = 32;  // ranges that are separated by at most this number of points are merged
+  constexpr std::size_t granularity = 8;
+  constexpr std::size_t merge_distance = 32;
   std::vector<IndexRange> ranges;
   for (std::size_t b = 0; b < prefilter.block_min_gap.size(); ++b) {
     if (!(prefilter.block_min_gap[b] - prefilter.min_gap <= max_gap)) {
@@ -151,7 +149,7 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
     const double upper_slope = derivatives.upper_slope[i];
     const double lower_slope = derivatives.lower_slope[i];
     const double gap = (upper[i] - lower[i]) - zero;
-    // With scale = ±q²/f'', the osculating sphere has the radius scale·q. The offset of its centre is scale·(f', 1).
+    // With scale = ±q²/f'', the osculating sphere has the radius scale·q, and the offset scale·(f', 1) of its centre.
     const double upper_q2 = 1.0 + upper_slope * upper_slope;
     const double lower_q2 = 1.0 + lower_slope * lower_slope;
     const double upper_scale = upper_q2 / derivatives.upper_curvature[i];
@@ -167,9 +165,8 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
     const double half_excess = 0.5 * (upper_radius - lower_radius);
     const double middle = lower_x + 0.5 * separation_x;
     const double limit = half_cell + round_off * (std::abs(lower_x) + std::abs(separation_x) + std::abs(half_excess));
-    // The contact centre is at x = middle - half_excess * separation_x / distance.
-    // The distance of the sphere centres lies between `min_distance` and `max_distance`.
-    // Both sides of the comparison with the cell edges are multiplied by the distance, which avoids a division.
+    // The contact centre middle - half_excess · separation_x / distance is compared with the cell edges.
+    // Both sides are multiplied by the distance of the sphere centres, which avoids a division.
     // Points whose derivatives are NaN are marked, so that the exact rules decide about these points.
     const double shift = half_excess * separation_x;
     const double left_edge = middle - limit;
@@ -182,11 +179,7 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
   }
 }
 
-// A minimum of the gap is possible in an interval in four cases:
-// - The slope of the gap increases through zero in the interval.
-// - The slope of the gap falls to zero and increases again.
-// - The slope of the gap increases through zero and falls again.
-// - The slope of the gap is zero at the left end and increases.
+// In a marked interval, the slope of the gap increases through zero, has two zeros, or increases from zero.
 STICTION_MULTIVERSION
 void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks) {
   for (std::size_t i = 0; i < size; ++i) {

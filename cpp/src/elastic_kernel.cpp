@@ -20,24 +20,19 @@ namespace {
 
 using std::numbers::pi;
 
-// Number of columns of an area that are transformed together: one cache line in single precision.
+// The columns of a block in one row fill a cache line in single precision.
 constexpr std::size_t columns_per_block = 8;
-// A row is loaded into the cache this number of rows before the row is copied.
+// Number of rows by which prefetching precedes copying.
 constexpr std::size_t rows_ahead = 16;
-// Number of values that a thread processes in one task, between two cancellation checks.
 // An area with fewer values than one task is not divided, because threads would then wait for each other.
 constexpr std::size_t values_per_task = std::size_t{1} << 15;
-// Sum of all stencil weights, divided by the weight of the central point.
-// The stencil multiplies long wavelengths by the sum of its weights, which must be small for wide contact patches.
+// Sum of the stencil weights, relative to the central weight. Wide contact patches require a small sum.
 constexpr double stencil_sum = 0.04;
-// Lower limit of the displacement due to one Fourier component, as a fraction of the displacement of a loaded cell.
-// Without this limit, zero padding could make the displacement zero or negative.
+// Lower limit of the compliance, relative to a loaded cell, because zero padding could make the compliance negative.
 constexpr double min_compliance_ratio = 1e-3;
-// Number of points along each axis of the periodic area from which the stencil is computed.
+// Points along each axis of the periodic area from which the stencil is computed.
 constexpr std::size_t stencil_points = 32;
 
-// Return the distance in memory between the starts of successive rows.
-// Rows start at cache-line boundaries, and successive rows start an odd number of cache lines apart.
 // An odd number of cache lines from row to row spreads a column over all cache sets.
 template <class Real>
 std::size_t padded_stride(std::size_t count) {
@@ -45,14 +40,11 @@ std::size_t padded_stride(std::size_t count) {
   return ((count + numbers_per_line - 1) / numbers_per_line | 1) * numbers_per_line;
 }
 
-// For the Fourier transform, two real numbers are packed into one complex number.
-// Let z be the Fourier coefficients of the packed numbers, and let h be the real factors of the filter: h(-k) = h(k).
-// Let m be half the number of points, and θ = πk/m. The coefficients y of the packed result are
-//
+// Two real numbers are packed into one complex number, with the Fourier coefficients z(k), θ = πk/m and m = points/2.
+// For filter factors h(-k) = h(k), the coefficients of the packed result are
 //     y(k) = (a - b sin θ) z(k) + i b cos θ conj(z(m - k)),  a = (h(k) + h(m - k))/2,  b = (h(k) - h(m - k))/2.
 //
 // Since i conj(x + iy) = y + ix, the second term swaps the real and the imaginary part of z(m - k).
-// The Fourier coefficients are read forwards at k and backwards at m - k.
 STICTION_MULTIVERSION
 void multiply_line(const float* coefficients, const float* direct_factors, const float* mirrored_factors,
                    std::size_t size, float* __restrict result) {
@@ -75,7 +67,6 @@ void multiply_line(const double* coefficients, const double* direct_factors, con
   }
 }
 
-// Multiply the columns k and m - k of a two-dimensional transform by the factors of their wavenumbers.
 // Along y, the column `second` is traversed backwards, because it belongs to the opposite wavenumber.
 // Each factor is stored twice, for the real and for the imaginary part of a coefficient.
 template <class Real>
@@ -89,13 +80,10 @@ STICTION_INLINE void multiply_mirrored(Real* __restrict first, Real* __restrict 
   }
 }
 
-// Number of wavenumbers along y whose factors are computed together.
 constexpr std::size_t wavenumbers_per_block = 64;
 
-// Multiply columns k and m - k by `factors` and `mirrored_factors`, with θ = πk/m.
-// `factors` contains the factors for wavenumbers along y up to half of `size`.
-// Coefficient i of column k is combined with coefficient size - i of column m - k.
-// The Fourier coefficients i and size - i of a column have the same factor.
+// `factors` contains the factors for wavenumbers along y up to half of `size`: coefficients i and size - i share one.
+// Coefficient i of column k is combined with coefficient size - i of column m - k, with θ = πk/m.
 template <class Real>
 STICTION_INLINE void mix_columns_kernel(Real* __restrict first, Real* __restrict second, const Real* factors,
                                         const Real* mirrored_factors, Real sine, Real cosine, std::size_t size) {
@@ -116,7 +104,7 @@ STICTION_INLINE void mix_columns_kernel(Real* __restrict first, Real* __restrict
       multiply_mirrored(first, second + 1, first_factors.data(), second_factors.data(), mixing_factors.data(), 2);
       skip = 1;
     }
-    // If `size` is even, the Fourier coefficient size / 2 is its own mirror image, and must not be multiplied twice.
+    // If `size` is even, coefficient size / 2 is its own mirror image, and must not be multiplied twice.
     const std::size_t mirrored_count = size % 2 == 0 && from + count == size / 2 + 1 ? count - 1 : count;
     if (count > skip) {
       multiply_mirrored(first + 2 * (from + skip), second + 2 * (size - from - skip) + 1, &first_factors[2 * skip],
@@ -141,7 +129,6 @@ void mix_columns(double* first, double* second, const double* factors, const dou
   mix_columns_kernel(first, second, factors, mirrored_factors, sine, cosine, size);
 }
 
-// Prefetch the columns of a row that is copied later.
 // The processor does not prefetch columns by itself, because successive rows are far apart in memory.
 template <class Real>
 void prefetch_columns(const std::complex<Real>* columns) {
@@ -150,7 +137,6 @@ void prefetch_columns(const std::complex<Real>* columns) {
   }
 }
 
-// Copy columns of a two-dimensional array to contiguous memory.
 template <class Real>
 void gather_columns(const std::complex<Real>* area, std::size_t stride, std::span<const std::size_t> rows,
                     std::size_t count, std::size_t column_stride, std::complex<Real>* columns) {
@@ -163,7 +149,6 @@ void gather_columns(const std::complex<Real>* area, std::size_t stride, std::spa
   }
 }
 
-// Copy columns from contiguous memory back to a two-dimensional array.
 template <class Real>
 void scatter_columns(const std::complex<Real>* columns, std::size_t column_stride, std::span<const std::size_t> rows,
                      std::size_t count, std::size_t stride, std::complex<Real>* area) {
@@ -176,7 +161,6 @@ void scatter_columns(const std::complex<Real>* columns, std::size_t column_strid
   }
 }
 
-// Size of a grid, and size of the zero-padded grid, which is transformed.
 struct TransformShape {
   std::size_t rows;
   std::size_t columns;
@@ -185,7 +169,7 @@ struct TransformShape {
 
   bool packed() const { return padded_columns % 2 == 0; }
   std::size_t coefficient_count() const { return packed() ? padded_columns / 2 : padded_columns; }
-  // Number of different factors along x. Two opposite wavenumbers share one factor.
+  // Two opposite wavenumbers share one factor.
   std::size_t factors_along_x() const { return padded_columns / 2 + 1; }
   std::size_t factors_along_y() const { return padded_rows / 2 + 1; }
 };
@@ -217,8 +201,7 @@ struct Scratch {
   std::vector<std::array<AlignedBuffer, 5>> threads;
 };
 
-// Filter that multiplies each Fourier coefficient by a real factor, which is the same for k and -k.
-// The factors are stored in the order (wavenumber along x, wavenumber along y).
+// Factors are equal for k and -k, and stored in the order (wavenumber along x, wavenumber along y).
 template <class Real>
 class Filter {
  public:
@@ -314,7 +297,7 @@ class Filter {
     const std::size_t count = shape_.coefficient_count();
     const std::size_t stride = padded_stride<Real>(count);
     Complex* area = scratch.coefficients.get<Real>(shape_.rows * stride);
-    // Rows of zeros need no transform along x. If the contact area is small, many rows contain only zeros.
+    // If the contact area is small, many rows contain only zeros, which need no transform along x.
     std::vector<std::size_t> filled;
     for (std::size_t row = 0; row < shape_.rows; ++row) {
       const auto* from = values.data() + row * shape_.columns;
@@ -336,8 +319,7 @@ class Filter {
       std::iota(all_rows.begin(), all_rows.end(), std::size_t{0});
       result_rows = all_rows;
     }
-    // Columns k and m - k are transformed together, because packing combines these two columns.
-    // Column 0 of a transform is paired with itself, and so is the middle column if m is even.
+    // Packing combines columns k and m - k. Column 0 and, if m is even, the middle column are their own partners.
     const std::size_t pairs = shape_.packed() ? count / 2 + 1 : count;
     const std::size_t blocks = std::max<std::size_t>(values_per_task / shape_.padded_rows / columns_per_block, 1);
     const std::size_t columns_per_task = blocks * columns_per_block;
@@ -357,7 +339,7 @@ class Filter {
     });
   }
 
-  // Filter the columns from `first` to `last - 1`, and their mirrored columns.
+  // Columns `first` to `last` - 1 are filtered together with their mirrored columns.
   void filter_columns(Complex* area, std::size_t stride, std::span<const std::size_t> filled,
                       std::span<const std::size_t> result_rows, std::size_t first, std::size_t last,
                       std::array<AlignedBuffer, 5>& buffers) const {
@@ -368,7 +350,6 @@ class Filter {
     Complex* values = buffers[1].template get<Real>(columns_per_block * column_stride);
     std::array<Complex*, 2> coefficients = {buffers[2].template get<Real>(columns_per_block * column_stride),
                                             buffers[3].template get<Real>(columns_per_block * column_stride)};
-    // Column 0 of a transform is paired with itself, and so is the middle column, which is the last column.
     const std::size_t begin = std::max<std::size_t>(first, 1);
     const std::size_t end = 2 * (last - 1) == count ? last - 1 : last;
     const std::size_t mirrored_count = shape_.packed() && end > begin ? end - begin : 0;
@@ -427,13 +408,13 @@ class Filter {
 
   TransformShape shape_;
   std::shared_ptr<const ComplexFft<Real>> along_x_;
-  std::shared_ptr<const ComplexFft<Real>> along_y_;  // transform along y; empty for lines
+  std::shared_ptr<const ComplexFft<Real>> along_y_;  // empty for lines
   std::vector<Real> factors_;                        // factors of areas
   std::vector<Real> direct_;                         // factors of lines
   std::vector<Real> mirrored_;
 };
 
-// Fourier transform, in place, of an even sequence of 2m real numbers. The first m + 1 numbers are given.
+// Transforms an even sequence of 2m real numbers in place. Only the first m + 1 numbers are given.
 class EvenFft {
  public:
   EvenFft(std::size_t half, FftPlans& plans) : half_(half), fft_(plans.get<double>(half)), twiddles_(half + 1) {
@@ -467,7 +448,6 @@ class EvenFft {
 
 std::size_t padded_length(std::size_t points) { return 2 * fast_length(points); }
 
-// Return the values of E*|k|/2 in the order (wavenumber along x, wavenumber along y).
 std::vector<double> stiffness(const TransformShape& shape, const Grid& grid, double effective_modulus) {
   std::vector<double> factors;
   factors.reserve(shape.factors_along_x() * shape.factors_along_y());
@@ -483,12 +463,9 @@ std::vector<double> stiffness(const TransformShape& shape, const Grid& grid, dou
   return factors;
 }
 
-// Return the displacement [µm] of the origin due to a pressure of 1 GPa.
-// On a line, the pressure of 1 GPa acts between the origin and x.
-// On an area, the pressure of 1 GPa acts on the rectangle between the origin and the corner (x, y).
+// Displacement [µm] of the origin due to 1 GPa between the origin and x or, on areas, the corner (x, y).
 double corner_integral(double x, double effective_modulus) {
-  // The result is the integral of -2/(π E*) ln|x| from 0 to x.
-  // A different unit of length would shift all displacements by the same amount.
+  // Integral of -2/(π E*) ln|x|. Another unit of length would shift all displacements by the same amount.
   return -2 / (pi * effective_modulus) * x * (std::log(std::abs(x)) - 1.0);
 }
 
@@ -498,8 +475,7 @@ double corner_integral(double x, double y, double effective_modulus) {
 
 double cell_edge(std::size_t i, double spacing) { return (static_cast<double>(i) - 0.5) * spacing; }
 
-// Compute the displacements of all cells in one row. The distance from this row to the loaded cell is `row` rows.
-// The pressure on the loaded cell is 1 GPa. On a line, the argument `row` is 0.
+// Displacements of the cells in a row that is `row` rows away from a cell under 1 GPa. On a line, `row` is 0.
 void compute_influence_row(const Grid& grid, double effective_modulus, std::size_t row, std::span<double> influence) {
   const std::size_t count = influence.size();
   const auto corner = [&](std::size_t i, std::size_t j) {
@@ -523,8 +499,7 @@ TransformShape transform_shape(const Grid& grid) {
   return {grid.rows, grid.columns, grid.line ? 1 : padded_length(grid.rows), padded_length(grid.columns)};
 }
 
-// Return the Fourier coefficients of the displacement per pressure [µm/GPa].
-// The Fourier coefficients are in the order (wavenumber along x, wavenumber along y).
+// Displacement per pressure [µm/GPa] of each Fourier component, in the order of `Filter`.
 std::vector<double> compliance(const TransformShape& shape, const Grid& grid, double effective_modulus, FftPlans& plans,
                                Scratch& scratch, const ThreadPool& pool) {
   if (grid.periodic) {
@@ -533,8 +508,7 @@ std::vector<double> compliance(const TransformShape& shape, const Grid& grid, do
                    [](double factor) { return factor > 0.0 ? 1.0 / factor : 0.0; });
     return factors;
   }
-  // The influence coefficients are symmetric along both axes, and the padded sizes are even numbers.
-  // One quadrant of the influence coefficients determines their Fourier transform.
+  // The influence coefficients are symmetric and the padded sizes even, so one quadrant determines the transform.
   // Beyond the grid, the last influence coefficients are repeated. No result depends on the repeated coefficients.
   const std::size_t width = shape.factors_along_x();
   const std::size_t height = shape.factors_along_y();
@@ -571,8 +545,7 @@ std::vector<double> compliance(const TransformShape& shape, const Grid& grid, do
   return factors;
 }
 
-// Return the stencil: the stiffness operator of a small periodic area, at the origin and at the eight neighbours.
-// The stiffness operator is summed directly over the wavenumbers of the small area.
+// Sum the stiffness over the wavenumbers of a small periodic area, at the origin and at its eight neighbours.
 std::array<double, 9> compute_stencil(const Grid& grid, double effective_modulus) {
   Grid small = grid;
   small.rows = small.columns = stencil_points;
@@ -611,8 +584,7 @@ void check_grid(const char* name, const Grid& grid, double effective_modulus) {
   }
 }
 
-// Return the Fourier coefficients of the displacement per pressure [µm/GPa] on the extended grid of StiffnessKernel.
-// On a free grid, all Fourier coefficients are positive. The coefficient of a uniform pressure may have any value.
+// On a free grid, all coefficients [µm/GPa] are positive. The coefficient of uniform pressure may have any value.
 std::vector<double> invertible_compliance(const TransformShape& shape, const Grid& grid, double effective_modulus,
                                           FftPlans& plans, const ThreadPool& pool) {
   Scratch scratch;
@@ -639,7 +611,6 @@ std::vector<double> to_stiffness(std::vector<double> compliance_factors) {
   return compliance_factors;
 }
 
-// Set the compliance for a uniform pressure to the largest compliance of all wavelengths.
 std::vector<double> to_preconditioner(std::vector<double> compliance_factors) {
   compliance_factors[0] = *std::max_element(compliance_factors.begin(), compliance_factors.end());
   return compliance_factors;
@@ -668,7 +639,7 @@ struct Workspace::Buffers {
 Workspace::Workspace() : buffers_(std::make_unique<Buffers>()) {}
 Workspace::~Workspace() = default;
 
-// Spectral filters are computed on first use, because most calculations need only some of the filters.
+// Most calculations need only some of the filters, so filters are computed on first use.
 struct ElasticKernel::Transforms {
   TransformShape shape;
   double effective_modulus;
@@ -677,10 +648,9 @@ struct ElasticKernel::Transforms {
   FftPlans plans;
   std::unique_ptr<const Filter<double>> double_displacement;
   std::unique_ptr<const Filter<float>> single_displacement;
-  // Spectral filter for each foundation stiffness. Stiffness 0 denotes the half-space without a foundation.
+  // Filters by foundation stiffness, which is 0 without a foundation.
   std::map<double, const Filter<float>> foundation_filters;
 
-  // Return the filter E*|k|/2 or, with a foundation, the inverse of the sum of E*|k|/2 and the foundation stiffness.
   const Filter<float>* foundation_filter(const Grid& grid, double foundation) {
     const std::lock_guard lock(mutex);
     if (const auto found = foundation_filters.find(foundation); found != foundation_filters.end()) {
@@ -796,8 +766,7 @@ void StiffnessKernel::precondition(std::span<const float> pressures, std::span<f
 }
 
 double uniform_pressure_deviation(const Grid& grid, double effective_modulus) {
-  // The displacement of a point is the sum of `corner_integral` over the four corners of the grid.
-  // By symmetry, the displacements due to uniform pressure need to be computed at only a quarter of the points.
+  // By symmetry, a quarter of the points is enough. Each displacement sums `corner_integral` over the grid's corners.
   const auto displacement = [&](std::size_t row, std::size_t column) {
     double sum = 0.0;
     for (const std::size_t j : {column + 1, grid.columns - column}) {

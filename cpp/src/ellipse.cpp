@@ -8,9 +8,8 @@
 namespace stiction {
 namespace {
 
-// Elliptic integrals K and E of modulus e, computed from the arithmetic-geometric mean of 1 and k.
-// `mean` is the arithmetic-geometric mean, so K = π / (2 · mean). `ratio` is (K - E) / (e² K).
-// For k -> 1, the variable `ratio` tends to 1/2. For k -> 0, the variable `ratio` tends to 1 - 1/K.
+// Complete elliptic integrals: K = π / (2 · mean), where `mean` is the arithmetic-geometric mean of 1 and k.
+// `ratio` is (K - E) / (e² K), which tends to 1/2 for k -> 1.
 // Source: Abramowitz & Stegun (1964), section 17.6.
 struct Integrals {
   double mean;
@@ -19,7 +18,7 @@ struct Integrals {
 
 Integrals integrals(double k) {
   // `ratio` is the series Σ 2^(n-1) c_n² / e², with c_(n+1) = (a_n - b_n) / 2 = c_n² / (4 a_(n+1)).
-  // The term c_1² / e² is simplified by cancelling e², which avoids 0/0 for circular contacts.
+  // Cancelling e² in the first term avoids 0/0 for circular contacts.
   double a = 0.5 * (1.0 + k);
   double b = std::sqrt(k);
   double square = 0.25 * (1.0 - k) * (1.0 - k);  // c_n²
@@ -37,13 +36,12 @@ Integrals integrals(double k) {
   return {a, ratio};
 }
 
-// Return the derivative of ln(shorter / longer radius of curvature) with respect to ln k, where k is the axis ratio.
+// The derivative of ln(shorter/longer) with respect to ln k, where k is the axis ratio.
 double log_slope(double k, double ratio) {
   const double e2 = (1.0 - k) * (1.0 + k);
   const double complement = 1.0 - ratio;
   if (e2 < 1e-4) {
-    // For e -> 0, the derivative tends to 1.5.
-    // The limit 1.5 has an error of about e², which hardly changes the number of iterations.
+    // The limit for e -> 0 has an error of about e², which hardly changes the number of iterations.
     return 1.5;
   }
   return 2.0 + ((k * k * ratio - complement) / e2 + ratio * complement) / (ratio * complement);
@@ -57,9 +55,7 @@ Ellipse hertz_ellipse(double longer, double shorter) {
                                 format_number(longer) + " and " + format_number(shorter) + " µm");
   }
   const double target = shorter / longer;
-  // Newton's method solves for the axis ratio k of the contact ellipse.
-  // The logarithm of the ratio of the radii of curvature, ln(shorter/longer), is almost a linear function of ln k.
-  // The derivative of ln(shorter/longer) with respect to ln k is 1.5 at k = 1 and tends to 2 for k -> 0.
+  // Newton's method solves for the axis ratio k, because ln(shorter/longer) is almost a linear function of ln k.
   double k = std::cbrt(target * target);
   Integrals values = integrals(k);
   for (int i = 0; i < 20; ++i) {

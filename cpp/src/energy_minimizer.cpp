@@ -11,28 +11,25 @@
 namespace stiction {
 namespace {
 
-// A step changes a small gap by at most this multiple of the attraction's range, so that no equilibrium is skipped.
+// The change of a small gap per step is limited, as a multiple of the attraction range, to skip no equilibrium.
 constexpr double max_gap_change = 2.0;
-constexpr double small_gap = 5.0;  // largest small gap, as a multiple of the range of the attraction
-// Gap beyond which the line search neglects the attraction, as a multiple of the range of the attraction.
+constexpr double small_gap = 5.0;  // as a multiple of the attraction range
+// The line search neglects the attraction beyond this gap, a multiple of the attraction range.
 constexpr double negligible_attraction_gap = 30.0;
-// First trial step of the line search, as a fraction of a full step.
-// The trial step is doubled until the energy increases, so that the line search finds the first minimum.
+// The first trial step, a fraction of a full step, is doubled until the energy increases, to find the first minimum.
 constexpr double initial_step_fraction = 0.125;
-// The line search ends once the slope of the energy is below this fraction of the initial slope.
+// The line search ends once the slope of the energy falls below this fraction of the initial slope.
 constexpr double max_slope_ratio = 0.05;
 constexpr double max_step_length = 1e4;
 constexpr int max_line_search_steps = 12;
 constexpr double min_step_bracket_fraction = 0.02;  // smallest distance of a trial step from the ends of its bracket
-// The net pressure is recomputed in double precision after this number of steps, because round-off accumulates.
+// Round-off of the net pressure accumulates in single precision.
 constexpr std::int64_t steps_per_recomputation = 20;
-// Maximum number of successive search directions along which round-off increases the energy.
 constexpr std::int64_t max_failed_descents = 3;
-// Number of values per task. This number is fixed, so that sums do not depend on the number of threads.
+// The task size is fixed, so that sums do not depend on the number of threads.
 constexpr std::size_t extended_values_per_task = std::size_t{1} << 15;
-constexpr std::size_t stress_lanes = 16;  // number of partial sums of a sum, for vectorisation by the compiler
+constexpr std::size_t stress_lanes = 16;  // partial sums, for vectorisation by the compiler
 
-// Partial sums over points, which are added after the loop over the points.
 using Lanes = std::array<double, stress_lanes>;
 
 double total(const Lanes& values) {
@@ -43,7 +40,7 @@ double total(const Lanes& values) {
   return sum;
 }
 
-// Call `visit(index, lane)` for each index from 0 to size - 1, where `lane` selects a partial sum.
+// `lane` selects a partial sum.
 template <class Visit>
 STICTION_INLINE void for_lanes(std::size_t size, const Visit& visit) {
   std::size_t i = 0;
@@ -57,7 +54,7 @@ STICTION_INLINE void for_lanes(std::size_t size, const Visit& visit) {
   }
 }
 
-// Copy the net pressure to the residual, and return the sum of the absolute values.
+// Returns the sum of the absolute values.
 STICTION_MULTIVERSION
 double copy_residual(const double* net_pressure, std::size_t size, float* __restrict residual) {
   Lanes sums{};
@@ -82,14 +79,14 @@ struct ResidualSums {
   }
 };
 
-// Return the contact pressure at a point, given its gap and the sum of net pressure and attraction.
+// `sum` is net pressure plus attraction.
 STICTION_INLINE double contact_pressure(double gap, double sum, double hardness) {
   const double clipped = std::min(std::max(sum, 0.0), hardness);
   const double closed = gap < 0.0 ? hardness : clipped;
   return gap > 0.0 ? 0.0 : closed;
 }
 
-// Write the residual on the original grid: (net pressure) + (attraction) - (contact pressure).
+// The residual is (net pressure) + (attraction) - (contact pressure).
 STICTION_MULTIVERSION
 ResidualSums subtract_stresses(const double* net_pressure, const double* gap, const double* attraction, double hardness,
                                std::size_t size, float* __restrict residual) {
@@ -148,7 +145,6 @@ void negate(float* values, std::size_t size) {
   }
 }
 
-// Set the gap changes to 0 at points that stay in contact.
 STICTION_MULTIVERSION
 void fix_contacts(const double* gap, const float* residual, std::size_t size, float* __restrict changes) {
   for (std::size_t i = 0; i < size; ++i) {
@@ -157,7 +153,7 @@ void fix_contacts(const double* gap, const float* residual, std::size_t size, fl
   }
 }
 
-// Add a multiple of the last direction to the descent direction. Returns (sum) · (residual).
+// Returns (new direction) · (residual).
 STICTION_MULTIVERSION
 double add_direction(const float* descent, const float* residual, float factor, std::size_t size,
                      float* __restrict direction) {
@@ -179,8 +175,7 @@ struct Edges {
   }
 };
 
-// Set a gap change to 0 if the gap is zero and the residual has the same sign as the gap change.
-// The change of the displacement is the change of the gap plus the change of the approach.
+// The displacement changes by the change of the gap plus the change of the approach.
 // Returns two numbers: scalar product of gap changes and residual, and largest change of a small gap.
 STICTION_MULTIVERSION
 Edges fix_edges(const double* gap, const float* residual, double largest_small_gap, float approach, std::size_t size,
@@ -205,8 +200,7 @@ void add_multiple(const float* values, double factor, std::size_t size, double* 
   }
 }
 
-// Change the gaps by a step. A gap that closes becomes 0, and the remaining part of its change is stored.
-// Returns whether any gap closed, so that a remaining part is stored.
+// A gap that closes becomes 0, and the rest of its change is stored. Returns whether any gap closed.
 STICTION_MULTIVERSION
 bool change_gaps(const float* direction, double step, bool yields, std::size_t size, double* __restrict gap,
                  float* __restrict remainder) {
@@ -221,7 +215,7 @@ bool change_gaps(const float* direction, double step, bool yields, std::size_t s
   return *std::max_element(largest.begin(), largest.end()) > 0.0F;
 }
 
-// Return the first root above 0 of a function that is negative at 0, or `max_argument` if it has no root.
+// The function must be negative at 0. Returns `max_argument` if it has no root.
 template <class Function>
 double find_first_root(const Function& function, double value_at_zero, double max_argument) {
   double left = 0.0;
@@ -259,14 +253,14 @@ struct Sum {
 
 }  // namespace
 
-// Relative residual of a state (residual/stresses), mean attraction [GPa], and error of the total load [GPa].
+// Relative residual (residual/stresses), mean attraction [GPa], and error of the total load [GPa].
 struct EnergyMinimizer::Residual {
   double relative = 0.0;
   double mean_attraction = 0.0;
   double approach = 0.0;
 };
 
-// Slope of the energy along the direction of a step, and largest change of a small gap in this step.
+// Slope of the energy along the direction, and largest change of a small gap in the step.
 struct EnergyMinimizer::Direction {
   double slope = 0.0;
   double max_change = 0.0;
@@ -301,9 +295,8 @@ std::size_t EnergyMinimizer::on_extended_grid(std::size_t point) const {
   return point / grid_.columns * kernel_.columns() + point % grid_.columns;
 }
 
-// Call `work(first, size, gap_index)` for each row of the extended grid, and add the returned sums in a fixed order.
-// `first` is the index of the row's first point, and `size` is the number of points of the row on the original grid.
-// `gap_index` is the index of the row's first point on the original grid.
+// `work(first, size, gap_index)` processes a row of `size` gaps, the first at `gap_index` of the original grid.
+// The index of the row's first point on the extended grid is `first`. Sums are added in a fixed order.
 template <class Sums, class Work>
 Sums EnergyMinimizer::sum_rows(const ThreadPool& pool, const Work& work) const {
   const std::size_t rows_per_task = std::max<std::size_t>(extended_values_per_task / kernel_.columns(), 1);
@@ -409,7 +402,7 @@ MinimizationOutcome EnergyMinimizer::step(MinimizationState& state, double load,
   return MinimizationOutcome::unfinished;
 }
 
-// Compute the residual: the net pressure plus the attraction at free points, and zero at points in contact.
+// The residual is zero at points in contact.
 EnergyMinimizer::Residual EnergyMinimizer::compute_residual(const MinimizationState& state, double load,
                                                             const ThreadPool& pool) {
   const auto sums = sum_rows<ResidualSums>(pool, [&](std::size_t first, std::size_t size, std::size_t gap_index) {
@@ -430,8 +423,8 @@ EnergyMinimizer::Residual EnergyMinimizer::compute_residual(const MinimizationSt
   return residual;
 }
 
-// Store the next direction in the state. Returns the scalar product of the residual and the preconditioned residual.
-// The next direction is conjugate to the last direction unless it would increase the energy.
+// The direction is conjugate to the last one unless it would increase the energy.
+// Returns the scalar product of the residual and the preconditioned residual.
 double EnergyMinimizer::compute_conjugate_direction(MinimizationState& state, double approach_residual,
                                                     const ThreadPool& pool) {
   kernel_.precondition(residual_, descent_, workspace_, pool);
@@ -462,7 +455,7 @@ double EnergyMinimizer::compute_conjugate_direction(MinimizationState& state, do
   return slope;
 }
 
-// Set a gap change to 0 if the gap is zero and the residual has the same sign as the gap change.
+// A gap of zero stays zero if the residual has the same sign as the gap change.
 EnergyMinimizer::Direction EnergyMinimizer::fix_contact_points(MinimizationState& state, const ThreadPool& pool) {
   const auto edges = sum_rows<Edges>(pool, [&](std::size_t first, std::size_t size, std::size_t gap_index) {
     Edges row = fix_edges(state.gap.data() + gap_index, &residual_[first], small_gap * interface_.range,
@@ -478,7 +471,6 @@ EnergyMinimizer::Direction EnergyMinimizer::fix_contact_points(MinimizationState
   return {edges.slope, edges.max_change};
 }
 
-// Return the length of the step to the first minimum of the energy along the direction.
 double EnergyMinimizer::find_step_length(const MinimizationState& state, const Direction& direction, double load,
                                          const ThreadPool& pool) {
   kernel_.pressure(displacement_change_, pressure_change_, workspace_, pool);
@@ -522,7 +514,7 @@ double EnergyMinimizer::find_step_length(const MinimizationState& state, const D
   return find_first_root(energy_slope, direction.slope, max_step);
 }
 
-// Change the state by a step along the search direction. A gap that would change its sign becomes 0.
+// A gap that would change its sign becomes 0.
 void EnergyMinimizer::change_state(MinimizationState& state, double step, double load, const ThreadPool& pool) {
   struct Closures {
     bool any = false;
@@ -547,8 +539,7 @@ void EnergyMinimizer::change_state(MinimizationState& state, double step, double
   }
 }
 
-// Compute the net pressure from the displacements in double precision.
-// On free grids, the displacements of points around the grid are first computed from the last net pressure.
+// On free grids, displacements of points around the grid first follow from the last net pressure.
 void EnergyMinimizer::recompute_net_pressure(MinimizationState& state, double load, const ThreadPool& pool) {
   if (!grid_.periodic) {
     kernel_.displacement(state.net_pressure, displacement_, workspace_, pool);

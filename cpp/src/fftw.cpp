@@ -17,11 +17,10 @@ std::mutex& unguarded_planner_mutex() {
   return mutex;
 }
 
-// Several threads may execute FFTW plans at the same time, but only one thread at a time may create a plan.
+// FFTW plans may be executed by several threads, but created by only one thread at a time.
 std::mutex& planner_mutex() {
 #if defined(__unix__) || defined(__APPLE__)
-  // A child process may be forked while another thread creates a plan.
-  // Without fork handlers, the child process would inherit a locked mutex.
+  // Without fork handlers, a child process forked while a plan is created would inherit a locked mutex.
   [[maybe_unused]] static const int fork_handlers =
       pthread_atfork([] { unguarded_planner_mutex().lock(); }, [] { unguarded_planner_mutex().unlock(); },
                      [] { unguarded_planner_mutex().unlock(); });

@@ -10,12 +10,10 @@
 
 namespace stiction {
 
-/// Alignment of buffers in bytes: the size of a cache line, and of the widest SIMD register that FFTW uses.
 /// The alignment determines which instructions FFTW uses, and therefore the last bits of the result.
 inline constexpr std::size_t alignment = 64;
 
-/// Memory for complex numbers, aligned to a cache line.
-/// An AlignedBuffer grows on demand, and growing discards the contents.
+/// Growing an AlignedBuffer discards its contents.
 class AlignedBuffer {
  public:
   template <class Real>
@@ -37,9 +35,8 @@ class AlignedBuffer {
   std::size_t bytes_ = 0;
 };
 
-/// Complex Fourier transform of fixed length between aligned buffers, without normalisation.
-/// FFTW selects its plans by estimates instead of measurements, so that every run uses the same plans.
-/// FFTW plans are created on first use. Several threads may use the same object at the same time.
+/// FFTW estimates its plans instead of measuring, so that every run uses the same plans.
+/// Plans are created on first use. Several threads may use the same ComplexFft at the same time.
 template <class Real>
 class ComplexFft {
  public:
@@ -49,9 +46,9 @@ class ComplexFft {
   ComplexFft& operator=(const ComplexFft&) = delete;
 
   std::size_t points() const { return points_; }
-  /// Compute the forward transform, coefficients[b] = Σ_a values[a] exp(-2πi a b/points).
+  /// coefficients[b] = Σ_a values[a] exp(-2πi a b/points), without normalisation.
   void forward(std::complex<Real>* values, std::complex<Real>* coefficients) const;
-  /// Compute the inverse transform, values[b] = Σ_a coefficients[a] exp(2πi a b/points).
+  /// values[b] = Σ_a coefficients[a] exp(2πi a b/points), without normalisation.
   void inverse(std::complex<Real>* coefficients, std::complex<Real>* values) const;
 
  private:

@@ -10,8 +10,7 @@
 namespace stiction::gsl {
 namespace {
 
-// By default, GSL aborts the process on an error. The error handler of GSL is therefore switched off at load time.
-// A handler that throws is not an alternative, because exceptions cannot pass through C functions.
+// GSL aborts the process on an error unless its handler is off. A handler cannot throw through C functions.
 // NOLINTNEXTLINE(bugprone-throwing-static-initialization)
 [[maybe_unused]] gsl_error_handler_t* const previous_handler = gsl_set_error_handler_off();
 

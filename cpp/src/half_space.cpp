@@ -26,45 +26,38 @@ struct SolverMemory {
 
 namespace {
 
-// Minimum number of points along each axis of the coarsest grid.
 constexpr std::size_t min_points_per_axis = 16;
-// Maximum number of points of a grid whose influence coefficients are stored.
 constexpr std::size_t max_influence_points = std::size_t{1} << 20;
-// Relative tolerance of solutions on coarser grids. The discretisation error of these solutions is larger.
+// The discretisation error of solutions on coarser grids is larger than this tolerance.
 constexpr double coarse_tolerance = 3e-3;
-// On an area, the solver starts from the solution at another load if the ratio of the two loads is at most this number.
+// On an area, the solution at another load is used as a start up to this ratio of the two loads.
 constexpr double max_load_ratio = 1.3;
-// Limits on the numbers of iterations. The finest grid rarely requires a hundred iterations.
-// Coarser grids may stop early, because their solutions are only starting points.
+// The finest grid rarely requires a hundred iterations. Coarser grids may stop early: they only give a start.
 constexpr std::int64_t max_iterations = 2000;
 constexpr std::int64_t max_coarse_iterations = 100;
-// Maximum number of evaluations of displacements in double precision, reached only if round-off prevents convergence.
+// This number of exact evaluations is reached only if round-off prevents convergence.
 constexpr int max_exact_evaluations = 20;
-// Largest accepted relative difference between displacements of contact points. In the exact solution, all are equal.
-// The relative error of the compliance depends on the square of the accepted difference, and is about 1e-7.
+// Relative difference between displacements that should be equal; the compliance then has an error of about 1e-7.
 constexpr double compliance_tolerance = 1e-3;
-// Factor by which `compliance_tolerance` is multiplied on free lines, where displacements are defined up to a constant.
-// On free lines, the compliance is not an energy, so the error of the compliance is larger.
+// Factor of `compliance_tolerance` on free lines, where the compliance is not an energy, so that its error is larger.
 constexpr double difference_tolerance = 0.03;
-// Maximum number of contact points whose linear response is computed with a dense matrix.
-// Up to 1024 contact points, solving with the matrix is faster than solving with transforms of the grid.
+// Up to this number of contact points, solving with a dense matrix is faster than with transforms of the grid.
 constexpr std::size_t max_dense_points = 1024;
 // If few points can come into contact, displacements are computed only at these points, with a dense matrix.
-// Up to `max_matrix_ratio` matrix elements per grid point, the matrix is faster than transforms of the grid.
-// `max_selected_points` limits the size of the matrix to 16 MiB.
+// Up to `max_matrix_ratio` matrix elements per grid point, the matrix is faster than transforms.
+// `max_selected_points` limits the matrix to 16 MiB.
 constexpr std::size_t max_matrix_ratio = 16;
 constexpr std::size_t max_selected_points = 2048;
-// A point is selected for the dense matrix if its gap is below `selection_approach_ratio` times the approach.
-// Both the gap and the approach are measured from the lowest gap of the grid.
+// Points are selected whose gap is below this multiple of the approach, both measured from the lowest gap of the grid.
 constexpr double selection_approach_ratio = 1.1;
 constexpr std::size_t points_per_task = std::size_t{1} << 16;
-// Displacements count as equal if they differ by at most this fraction of the displacement of a single loaded cell.
+// Displacements count as equal up to this fraction of the displacement of a single loaded cell.
 constexpr double round_off = 1e-9;
-// Maximum number of trial loads in the search for a given approach, which rarely needs more than six trial loads.
+// A search for a given approach rarely needs more than six trial loads.
 constexpr int max_loads = 60;
-// Maximum ratio of successive trial loads in the search for a given approach.
+// Maximum ratio of successive trial loads.
 constexpr double max_load_step = 30.0;
-// Minimum distance of a trial load from the ends of the load bracket, as a fraction of the bracket.
+// Minimum distance of a trial load from the ends of its bracket, as a fraction of the bracket.
 constexpr double min_bracket_fraction = 1e-3;
 
 std::size_t coarsened(std::size_t points, bool periodic) {
@@ -75,8 +68,6 @@ std::size_t coarsened(std::size_t points, bool periodic) {
   return points % 2 == 0 || !periodic ? half : fast_length(half);
 }
 
-// Return the ratio of the spacings of two successive grids.
-// On free grids, the coarser grid consists of every second point of the finer grid.
 double spacing_ratio(std::size_t points, std::size_t coarser, bool periodic) {
   if (points == coarser) {
     return 1.0;
@@ -84,7 +75,7 @@ double spacing_ratio(std::size_t points, std::size_t coarser, bool periodic) {
   return periodic ? static_cast<double>(points) / static_cast<double>(coarser) : 2.0;
 }
 
-// Return Σ (value - about)^Exponent over all values. Several partial sums allow the loop to be vectorised.
+// Several partial sums allow the loop to be vectorised.
 template <int Exponent>
 STICTION_INLINE double central_sum(const double* values, std::size_t size, double about) {
   std::array<double, 8> sums{};
@@ -112,8 +103,7 @@ double standard_deviation(Values values) {
                    static_cast<double>(values.size()));
 }
 
-// Return the spacing of a new grid as a multiple of the spacing of the old grid. Both grids have the same length.
-// On free grids, the coarser grid consists of every second point of the finer grid.
+// Both grids have the same length. On free grids, the coarser grid consists of every second point of the finer grid.
 double relative_spacing(std::size_t old_points, std::size_t new_points, bool periodic) {
   if (periodic || old_points == new_points) {
     return static_cast<double>(old_points) / static_cast<double>(new_points);
@@ -121,7 +111,6 @@ double relative_spacing(std::size_t old_points, std::size_t new_points, bool per
   return old_points > new_points ? 2.0 : 0.5;
 }
 
-// Position between two neighbouring points of a grid: left point, and distance from the left point in grid spacings.
 struct Position {
   std::size_t left = 0;
   double fraction = 0.0;
@@ -139,8 +128,7 @@ std::size_t previous_point(std::size_t point, std::size_t points, bool periodic)
   return point > 0 ? point - 1 : (periodic ? points - 1 : point);
 }
 
-// Interpolate gaps linearly along one axis to a coarser grid of the same length.
-// A value to be interpolated is a single gap, or a row of `width` gaps.
+// Interpolated values are single gaps, or rows of `width` gaps.
 void coarsen_gap_along(Values gap, std::size_t blocks, std::size_t old_points, std::size_t new_points,
                        std::size_t width, bool periodic, std::vector<double>& result) {
   result.resize(blocks * new_points * width);
@@ -159,7 +147,7 @@ void coarsen_gap_along(Values gap, std::size_t blocks, std::size_t old_points, s
   }
 }
 
-// Interpolate gaps linearly to a coarser grid. `buffer` is memory for the gaps after the interpolation along y.
+// `buffer` is memory for the gaps after the interpolation along y.
 std::vector<double> coarsen_gap(Values gap, const Grid& from, const Grid& to, std::vector<double>& buffer) {
   std::vector<double> result;
   if (from.columns == to.columns) {
@@ -174,9 +162,8 @@ std::vector<double> coarsen_gap(Values gap, const Grid& from, const Grid& to, st
   return result;
 }
 
-// Interpolate pressures at a fraction of the spacing between each point `left` and its right neighbour `right`.
-// `before` is the left neighbour of `left`, and `after` is the right neighbour of `right`.
-// Inside the contact, near its edge, the squared pressure is proportional to the distance from the edge.
+// Interpolate between the neighbours `left` and `right`, at `fraction` of their distance.
+// Near the edge of a contact, the squared pressure is proportional to the distance from the edge.
 // If `left` or `right` is out of contact, the squared pressure is extrapolated linearly from two points in contact.
 // The extrapolated pressure vanishes at the point out of contact or closer to the contact.
 STICTION_MULTIVERSION
@@ -194,8 +181,7 @@ void interpolate_pressure(const double* before, const double* left, const double
   }
 }
 
-// Interpolate the pressures of one row to a grid with the given number of columns.
-// `padded` is a buffer for the row and its neighbours. `midpoints` is a buffer for the pressures between points.
+// `padded` is a buffer for the row and its neighbours, and `midpoints` for the pressures between points.
 void refine_row(std::span<const double> row, bool periodic, std::span<double> result, std::vector<double>& padded,
                 std::vector<double>& midpoints) {
   const std::size_t columns = row.size();
@@ -220,7 +206,7 @@ void refine_row(std::span<const double> row, bool periodic, std::span<double> re
   }
 }
 
-// Interpolate pressures to the next finer grid. `buffer` is memory for the pressures after the interpolation along y.
+// `buffer` is memory for the pressures after the interpolation along y.
 std::vector<double> refine_pressure(Values pressure, const Grid& from, const Grid& to, std::vector<double>& buffer) {
   const std::size_t columns = from.columns;
   buffer.resize(to.rows * columns);
@@ -252,16 +238,12 @@ bool is_dense_kernel_faster(std::size_t num_points, const Grid& grid) {
   return num_points <= max_selected_points && num_points * num_points <= max_matrix_ratio * grid.size();
 }
 
-// Solver on one level of the grid hierarchy, with the elastic kernel and the preconditioner of this level.
 // The starting pressure is scaled to the given mean [GPa]. If `gap` is empty, the gap is 0 at all points.
-// The solver takes its arrays from `memory`, and returns the arrays when the solver is destroyed.
-//
-// On a free area, pressures displace every point away from the other body.
+// Arrays are taken from `memory`, and returned when the solver is destroyed.
 // On a free area, a point whose initial gap exceeds the approach cannot come into contact.
 // If few points can come into contact, displacements are computed only at these points, with a dense matrix.
-// At points that cannot come into contact, the potential is replaced by its lower bound, the initial gap.
-// `influence` contains the displacements due to a pressure on the first point of the grid.
-// If `influence` is empty, displacements are computed at all points.
+// At all other points, the potential is replaced by its lower bound, the initial gap.
+// `influence` contains the displacements due to a pressure on the first grid point, or is empty to use all points.
 class LevelSolver {
  public:
   LevelSolver(const HalfSpaceGrids::Kernels& kernels, Values gap, std::vector<double> start, double mean, Values bound,
@@ -302,13 +284,12 @@ class LevelSolver {
   LevelSolver& operator=(const LevelSolver&) = delete;
 
   ProjectedCgSolver& cg() { return cg_; }
-  // Return whether the potential was recomputed exactly and no step was taken since then.
+  // True if the potential was recomputed exactly and no step was taken since then.
   bool is_exact() const { return is_exact_; }
-  // Return whether the potential is known at every point whose pressure bound is above 0.
-  // The result is meaningful only if each point has its own pressure bound.
+  // True if the potential is known wherever the pressure bound is above 0. Each point must have its own bound.
   bool has_all_potentials() const { return !selected_points_ || selects_all_points_; }
 
-  // Update the free points. While the approach exceeds `max_approach_`, select more points that can come into contact.
+  // While the approach exceeds `max_approach_`, more points that can come into contact are selected.
   double update_free_points() {
     double error = cg_.update_free_points(pool_);
     while (selected_points_ && cg_.approach() > max_approach_) {
@@ -319,8 +300,8 @@ class LevelSolver {
     return error;
   }
 
-  // If `exact`, transforms use double precision. Potentials of selected points always have double precision.
-  // Single precision is enough for a potential that is recomputed later, and for an estimate.
+  // Single precision is enough for an estimate, or if the potential is recomputed later.
+  // Potentials of selected points always have double precision.
   void recompute_potential(bool exact) {
     const Values pressure = cg_.pressure();
     std::vector<double> potential = cg_.take_potential();
@@ -347,7 +328,7 @@ class LevelSolver {
     is_exact_ = exact;
   }
 
-  // Take one step. The caller must call `update_free_points` before each step.
+  // The caller must call `update_free_points` before each step.
   void iterate() {
     std::span<const float> residual = cg_.residual(pool_);
     if (!cg_.is_steepest_descent()) {
@@ -374,7 +355,7 @@ class LevelSolver {
  private:
   double bound_at(std::size_t i) const { return bound_[bound_.size() == 1 ? 0 : i]; }
 
-  // Return the grid points that meet a condition. The search stops if a dense matrix of the points would be too slow.
+  // The search stops if a dense matrix of the points would be too slow.
   template <class Condition>
   std::vector<std::size_t> find_points(Condition condition) const {
     std::vector<std::size_t> points;
@@ -386,9 +367,8 @@ class LevelSolver {
     return points;
   }
 
-  // Estimate the approach [µm] of the starting pressures: the mean potential of points with a pressure between bounds.
-  // Returns infinity if all points under pressure are at their bound.
-  // Also returns infinity if a dense kernel of the points under pressure would be slower than the transform.
+  // Estimate the approach [µm] as the mean potential of points with a pressure between bounds.
+  // Returns infinity if there is no such point, or if a dense matrix of the points would be too slow.
   double estimate_approach() const {
     const Values pressure = cg_.pressure();
     const std::vector<std::size_t> loaded = find_points([&](std::size_t i) { return pressure[i] > 0.0; });
@@ -408,8 +388,7 @@ class LevelSolver {
     return count > 0 ? sum / static_cast<double>(count) : std::numeric_limits<double>::infinity();
   }
 
-  // Select the points that can come into contact up to an approach slightly above the given approach.
-  // If too many points can come into contact, no points are selected, and displacements are computed at all points.
+  // Select the points within reach of a slightly larger approach, or no points if there are too many.
   void select_points(double approach) {
     const double lowest_gap = *std::min_element(gap_.begin(), gap_.end());
     max_approach_ = std::max(approach, lowest_gap + selection_approach_ratio * (approach - lowest_gap));
@@ -421,7 +400,7 @@ class LevelSolver {
     if (is_dense_kernel_faster(points.size(), kernel_.grid())) {
       selected_points_ = std::make_unique<DenseKernel>(influence_, kernel_.grid(), std::move(points));
     }
-    std::fill(response_.begin(), response_.end(), 0.0F);  // no response at points that are not selected
+    std::fill(response_.begin(), response_.end(), 0.0F);
   }
 
   Values gap_;
@@ -434,19 +413,18 @@ class LevelSolver {
   ProjectedCgSolver cg_;
   std::vector<float> response_;
   std::vector<float> preconditioned_;  // preconditioned residual on lines
-  // Rows of the grid that contain a point whose pressure bound is above 0; empty if all points have the same bound.
-  // Potentials are computed in these rows only, because in all other rows no point can carry pressure.
+  // Rows of the grid with a pressure bound above 0, the only rows in which potentials are computed.
+  // `contact_rows_` is empty if all points have the same bound.
   std::vector<std::size_t> contact_rows_;
-  std::optional<Preconditioner> preconditioner_;  // preconditioner of areas
+  std::optional<Preconditioner> preconditioner_;
   std::unique_ptr<DenseKernel> selected_points_;  // kernel of the points that can come into contact, if they are few
-  bool selects_all_points_ = false;               // true if all points with a bound above 0 are selected
+  bool selects_all_points_ = false;               // all points with a bound above 0
   double max_approach_ = 0.0;                     // largest approach for which the selection is complete
   bool has_response_ = false;
   bool is_exact_ = false;
 };
 
-// Return how far an approach is above the target, on a logarithmic scale:
-// ln(approach / target) - ln((full_contact - approach) / (full_contact - target)).
+// The result is ln(approach / target) - ln((full_contact - approach) / (full_contact - target)).
 // If `full_contact` is infinite, the second logarithm is 0.
 double log_excess(double approach, double target, double full_contact) {
   if (approach >= full_contact) {
@@ -472,9 +450,8 @@ double product(const double* left, const double* right, std::size_t size) {
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
-// Return pressures at the given points that displace all of these points by 1 µm.
-// Conjugate gradients solve the linear system, whose matrix is the dense matrix of the given points.
-// Returns an empty array if a pressure is negative. Round-off may cause negative pressures at single-point contacts.
+// The pressures displace all given points by 1 µm. Conjugate gradients solve the linear system.
+// Returns an empty array if a pressure is negative, which round-off may cause at single-point contacts.
 std::vector<double> solve_dense(Values influence, const Grid& grid, const std::vector<std::size_t>& points,
                                 const ThreadPool& pool) {
   const std::size_t size = points.size();
@@ -594,7 +571,7 @@ HalfSpaceSolver::HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrid
   if (!(tolerance > 0.0)) {
     throw std::invalid_argument("HalfSpaceSolver: tolerance must be above 0");
   }
-  // Coarser grids have no separate pressure bounds of points, so they are not used if each point has its own bound.
+  // Coarser grids have no separate pressure bounds of points.
   const auto memory = grids_->borrow_memory();
   for (std::size_t level = 1; level < levels.size() && bound_.size() == 1; ++level) {
     coarse_gaps_.push_back(coarsen_gap(this->gap(level - 1), levels[level - 1], levels[level], memory->cg.potential));
@@ -603,7 +580,7 @@ HalfSpaceSolver::HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrid
   displacement_scale_ = unit_load_deviation(pool);
 }
 
-// Return the root-mean-square deviation of the displacements from their mean [µm/GPa], divided by the mean pressure.
+// Root-mean-square deviation of the displacements from their mean [µm/GPa], divided by the mean pressure.
 // The pressure is uniform or, if each point has its own bound, proportional to the bounds.
 double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
   const Grid& grid = grids_->levels()[0];
@@ -617,8 +594,7 @@ double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
     std::transform(bound_.begin(), bound_.end(), values.begin(), [&](double bound) { return bound / mean; });
     grids_->kernels(0, pool).points->displacement(values, values, memory->workspace, pool);
     const double deviation = standard_deviation(values);
-    // If the bounds are the pressures that displace all points equally, `deviation` is only round-off.
-    // On free grids, the deviation under uniform pressure is therefore a lower limit.
+    // If the bounds displace all points equally, `deviation` is only round-off.
     if (!grid.periodic) {
       return std::max(deviation, grids_->uniform_pressure_deviation());
     }
@@ -634,9 +610,7 @@ double HalfSpaceSolver::scale(double mean_pressure) const {
   return std::max(gap_scale_, displacement_scale_ * mean_pressure);
 }
 
-// Return whether the solution at another load is a better starting point than the solution on a coarser grid.
-// If each point has its own bound, the solver always starts from the solution at another load.
-// On lines with a single bound, the solver never starts from the solution at another load.
+// The alternative start, a solution on a coarser grid, requires a single bound for all points, and is better on lines.
 bool HalfSpaceSolver::is_good_start(Values near, double mean_pressure) const {
   if (near.empty()) {
     return false;
@@ -672,13 +646,11 @@ HalfSpaceSolution HalfSpaceSolver::at(double mean_pressure, Values near, const T
 
 // Find the root of `log_excess` as a function of ln(load) by the secant method (Illinois algorithm).
 // Periodic surfaces are in full contact if the approach is at least the mean gap.
-// On periodic surfaces, `log_excess` also contains the remaining distance to full contact.
 HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, const ThreadPool& pool,
                                                const HalfSpaceProgress& progress) const {
   const Grid& grid = grids_->levels()[0];
   const double full_contact = grid.periodic ? mean_value(gap_) : std::numeric_limits<double>::infinity();
-  // The mean pressure of a contact as large as the grid, E* approach / length, is an upper limit for rough surfaces.
-  // The first guess of the mean pressure is a tenth of E* approach / length.
+  // E* approach / length, the mean pressure of a contact as large as the grid, is an upper limit for rough surfaces.
   const double along_x = grid.spacing_x * static_cast<double>(grid.columns);
   const double length = grid.line ? along_x : std::max(along_x, grid.spacing_y * static_cast<double>(grid.rows));
   double pressure = near.empty() ? 0.1 * grids_->effective_modulus() * approach / length : mean_value(near);
@@ -686,7 +658,7 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
     double load;
     double excess;
   };
-  std::array<std::optional<End>, 2> ends;  // ends of the bracket, below and above the target
+  std::array<std::optional<End>, 2> ends;  // below and above the target
   std::optional<bool> previous_above;
   HalfSpaceSolution solution;
   double miss = 0.0;
@@ -700,7 +672,7 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
     const double excess = log_excess(solution.approach, approach, full_contact);
     const bool above = excess > 0.0;
     std::optional<End>& other = ends[above ? 0 : 1];
-    // If two successive trial loads are on the same side of the target, the excess at the other end is halved.
+    // Illinois algorithm: after two trial loads on the same side of the target, halve the excess at the other end.
     if (previous_above == above && other) {
       other->excess *= 0.5;
     }
@@ -737,7 +709,7 @@ HalfSpaceSolution HalfSpaceSolver::solve_level(std::size_t level, std::vector<do
   for (double& pressure : start) {
     pressure *= factor;
   }
-  // On coarser grids, transforms are as fast as dense matrices, so displacements are computed at all points.
+  // On coarser grids, transforms are as fast as dense matrices.
   const Grid& grid = grids_->levels()[level];
   const auto num_loaded = std::count_if(start.begin(), start.end(), is_above_zero);
   const bool selects_points =
@@ -795,9 +767,8 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
   if (points.empty()) {
     throw std::invalid_argument("linear_response: in_contact must contain at least one point");
   }
-  // The pressures that displace all points equally are positive, like the charges on a conductor.
-  // For equal displacements, pressures are largest at the edges of contact patches, where contact pressures vanish.
-  // The iteration starts from a uniform pressure, which is a better guess than the pressures of the contact.
+  // Pressures that displace all points equally are largest at the edges of contacts, like the charges on a conductor.
+  // Uniform pressure is therefore a better start than the contact pressures, which vanish at the edges.
   std::vector<double> start(in_contact.size(), 0.0);
   for (const std::size_t i : points) {
     start[i] = 1.0 / static_cast<double>(points.size());
@@ -805,7 +776,7 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
   if (grid.periodic && points.size() == in_contact.size()) {
     return {0.0, std::move(start)};
   }
-  const bool only_differences = grid.line && !grid.periodic;  // true if only differences of displacements are defined
+  const bool only_differences = grid.line && !grid.periodic;
   if (!only_differences && points.size() <= max_dense_points) {
     const Values influence = grids.influence(pool);
     if (!influence.empty()) {
@@ -827,7 +798,7 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
   }
   const double mean = 1.0 / static_cast<double>(in_contact.size());
   LevelSolver solver(kernels, {}, std::move(start), mean, bound, {}, *memory, pool);
-  // Single precision resolves 1e-7 of a displacement, too little for small differences of displacements on lines.
+  // Single precision resolves 1e-7 of a displacement, too little for small differences on lines.
   solver.recompute_potential(grid.line);
   for (std::int64_t i = 0; i < max_iterations; ++i) {
     const double error = solver.update_free_points();

@@ -19,7 +19,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Arrays are aligned to cache lines, because a SIMD load across two cache lines takes twice as long.
+// A SIMD load across two cache lines takes twice as long.
 constexpr std::size_t cache_line = 64;
 struct AlignedDelete {
   void operator()(double* values) const { ::operator delete[](values, std::align_val_t{cache_line}); }
@@ -28,25 +28,24 @@ std::unique_ptr<double[], AlignedDelete> allocate_aligned(std::size_t size) {
   return std::unique_ptr<double[], AlignedDelete>(new (std::align_val_t{cache_line}) double[size]);
 }
 
-// Exponent n of the limit: a phase may make at most 2^n turns along the grid.
-// With more turns, fewer than 20 binary digits (a resolution of 1e-6) would remain for the fraction of a turn.
+// A phase may make at most 2^n turns along the grid, or fewer than 20 binary digits of a turn would remain.
 // The limit is 2^44 turns if a long double has 64 binary digits, and 2^33 turns if a long double is a double.
 constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20;
 
-// Number of points per block, so small that the group profiles of one block fit into the second-level cache.
+// The group profiles of one block must fit into the second-level cache.
 constexpr Index block = 1024;
 // Number of blocks after which the recurrence of a harmonic is restarted from its phase.
 constexpr Index blocks_per_restart = 8;
-// A harmonic advances by `lanes` points in each step. Each SIMD lane has its own recurrence.
+// Points by which a harmonic advances per step. Each SIMD lane has its own recurrence.
 constexpr std::size_t lanes = 32;
 constexpr std::size_t doublings = 5;
 static_assert(lanes == 1 << doublings && block % lanes == 0);
 
-// Phase as a 64-bit fraction of a turn. Integer overflow removes whole turns without round-off.
+// 64-bit fraction of a turn. Integer overflow removes whole turns without round-off.
 using Turns = std::uint64_t;
 
 Turns to_turns(long double turns) {
-  const long double fraction = turns - std::rint(turns);  // fraction of a turn in [-1/2, 1/2]
+  const long double fraction = turns - std::rint(turns);  // in [-1/2, 1/2]
   const long double scaled = std::ldexp(fraction, 64);
   constexpr long double half = 9223372036854775808.0L;
   return scaled >= half || scaled < -half ? Turns{1} << 63 : static_cast<Turns>(static_cast<std::int64_t>(scaled));
@@ -58,15 +57,14 @@ double to_radians(Turns turns) {
 
 Complex unit_phasor(Turns turns) { return std::polar(1.0, to_radians(turns)); }
 
-// Harmonic Re[A e^(i k x)], computed by a recurrence. With θ = `lanes` k Δx, each step advances z by `lanes` points:
-// d -= 4 sin²(θ/2) z, then z += d.
-// The round-off of a harmonic's recurrence is proportional to the number of steps, even for very small θ.
+// Harmonic Re[A e^(i k x)]. With θ = `lanes` k Δx, the recurrence d -= 4 sin²(θ/2) z, z += d advances `lanes` points.
+// The round-off of the recurrence is proportional to the number of steps, even for very small θ.
 struct Harmonic {
   alignas(cache_line) std::array<double, lanes> z;  // values at the next `lanes` points
-  // Differences between the values z and the values at the preceding `lanes` points.
+  // differences to the preceding `lanes` points
   alignas(cache_line) std::array<double, lanes> d;
   double rate;                               // 4 sin²(θ/2)
-  Complex amplitude;                         // complex amplitude at x = 0
+  Complex amplitude;                         // at x = 0
   Complex backward;                          // 1 - e^(-i θ), to full relative accuracy
   std::array<Complex, doublings> rotations;  // e^(i k Δx), e^(2 i k Δx), ..., e^(lanes/2 i k Δx)
   Turns step;                                // k Δx
@@ -80,9 +78,7 @@ struct Harmonic {
     rate = 4.0 * std::sin(half_angle) * std::sin(half_angle);
   }
 
-  // Start the recurrence of the harmonic from its phase at a point.
-  // The first `lanes` values are computed from the value at the first point, by doubling the number of values.
-  // Each doubling multiplies the n known values by e^(i k n Δx), which gives the next n values.
+  // The first `lanes` values are computed by doubling: the n known values times e^(i k n Δx) are the next n values.
   STICTION_MULTIVERSION void start(Index point) {
     std::array<double, lanes> imaginary;
     const Complex first = amplitude * unit_phasor(step * static_cast<Turns>(point));
@@ -108,8 +104,7 @@ struct Group {
   double constant = 0.0;
 };
 
-// Directions m and M - m have opposite wavenumbers.
-// Since cos(-k x + φ') = cos(k x - φ'), directions m and M - m form one harmonic of amplitude e^(i φ) + e^(-i φ').
+// Directions m and M - m have opposite wavenumbers, so they form one harmonic of amplitude e^(i φ) + e^(-i φ').
 // In direction m = M/2, the wavenumber is 0 and the harmonic cancels. Direction m = M has no partner direction.
 std::vector<Group> make_groups(MatrixView phases, const HarmonicGrid& grid) {
   const long double max_turns = std::ldexp(1.0L, max_turns_exponent);
@@ -146,8 +141,7 @@ std::vector<Group> make_groups(MatrixView phases, const HarmonicGrid& grid) {
   return result;
 }
 
-// Subtract the next block of `count` harmonics from the profile. Each height is loaded and stored only once.
-// One pass processes so few SIMD lanes that all values of z and d stay in registers.
+// Each height is loaded and stored only once, and the values of z and d of one pass stay in registers.
 template <std::size_t Width, std::size_t count>
 STICTION_INLINE void subtract(double* values, Harmonic* harmonics) {
   constexpr std::size_t packs = Width == 8 ? 4 : 2;
@@ -196,7 +190,7 @@ STICTION_KERNEL(subtract_one, (double* values, Harmonic* harmonics), (values, ha
 STICTION_MULTIVERSION
 void fill_block(double* values, double constant) { std::fill_n(values, block, constant); }
 
-// Compute the group profile G_n in the block that starts at the point `first`. Blocks must be requested in order.
+// Blocks must be requested in order.
 void next_block(Group& group, Index first, double* values) {
   fill_block(values, group.constant);
   if (first % (blocks_per_restart * block) == 0) {
@@ -213,7 +207,7 @@ void next_block(Group& group, Index first, double* values) {
   }
 }
 
-// Compute, for `rows` rows and all points j < block, sums(row, j) = Σ_n weights(row, n) values[n][j].
+// sums(row, j) = Σ_n weights(row, n) values[n][j] for all points j of a block.
 // A tile of sums stays in registers for all frequencies n. The order of additions does not depend on the tile.
 template <std::size_t Width, std::size_t rows, std::size_t packs>
 STICTION_INLINE void tile_product(const double* weights, const double* values, std::size_t frequencies, double* sums,
@@ -236,7 +230,7 @@ STICTION_INLINE void tile_product(const double* weights, const double* values, s
   }
 }
 
-// If possible, a tile of sums has ten rows, so that each loaded value is used ten times.
+// With ten rows, each loaded value is used ten times.
 template <std::size_t Width>
 STICTION_INLINE void ten_rows_kernel(const double* weights, const double* values, std::size_t frequencies, double* sums,
                                      std::size_t stride) {
@@ -268,8 +262,7 @@ STICTION_KERNEL(one_row,
                  std::size_t stride),
                 (weights, values, frequencies, sums, stride))
 
-// Compute all rows of one complete block. `sums` points to the first column of the block.
-// Calls `after(begin, end)` as soon as rows `begin` to `end - 1` are complete, while these rows are still in the cache.
+// Calls `after(begin, end)` as soon as rows `begin` to `end - 1` are complete, while they are still in the cache.
 template <class After>
 void product(const Eigen::Map<const Matrix>& weights, const double* values, double* sums, Index stride,
              const After& after) {
@@ -295,12 +288,11 @@ void product(const Eigen::Map<const Matrix>& weights, const double* values, doub
   }
 }
 
-// Number of consecutive points along an axis whose cosines and sines are computed from the phase at the first point.
+// Cosines and sines of a run of points are computed from the phase at its first point.
 constexpr Index points_per_run = 64;
 static_assert(block % points_per_run == 0);
 
-// Rotate a table of cosines and sines for consecutive points by the phase at the first point.
-// A table is rotated, because adding the phase difference from point to point would accumulate round-off.
+// Adding the phase difference from point to point would accumulate round-off, so a table is rotated instead.
 STICTION_MULTIVERSION
 void rotate_table(const double* table_cos, const double* table_sin, double c, double s, double* cosines,
                   double* sines) {
@@ -331,8 +323,7 @@ struct Rotations {
 
 // Directions m and M - m have opposite wavenumbers along x and equal wavenumbers along y.
 // The harmonics of m and M - m add up to -w Re[even e^(i Y)] cos X + w Im[odd e^(i Y)] sin X.
-// The factors are even = e^(i φ) + e^(i φ') and odd = e^(i φ) - e^(i φ').
-// For a direction m without a partner M - m, even = odd = e^(i φ).
+// The factors are even = e^(i φ) + e^(i φ') and odd = e^(i φ) - e^(i φ'), or e^(i φ) for a direction without partner.
 struct ArealHarmonic {
   Complex even;
   Complex odd;
@@ -340,7 +331,7 @@ struct ArealHarmonic {
   Rotations along_x;
 };
 
-// Wavenumbers of the directions m and M - m, in turns per point. Only the signs along x differ.
+// Wavenumbers in turns per point. Directions m and M - m differ only in the sign of `x`.
 struct Wavenumbers {
   long double y;
   long double x;
@@ -355,7 +346,7 @@ Wavenumbers pair_wavenumbers(const HarmonicArea& area, Index m, Index directions
           number * std::cos(angle) * static_cast<long double>(area.spacing_x)};
 }
 
-// Harmonics of a surface, and the sum of w cos φ over all harmonics. The amplitudes include the weights w.
+// `constant` is the sum of w cos φ over all harmonics. The amplitudes include the weights w.
 struct ArealSum {
   std::vector<ArealHarmonic> harmonics;
   double constant = 0.0;
@@ -484,7 +475,7 @@ void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& are
 
   const ArealSum sum = make_areal_sum(phases, weights, area, rows, columns);
   heights.setConstant(sum.constant);
-  // The surface is processed in tiles, and the harmonics in groups, so that the factors of a group fit into the cache.
+  // Tiles of the surface and groups of harmonics keep the factors of a group in the cache.
   constexpr std::size_t harmonics_per_pass = 32;
   const auto x_factors = allocate_aligned(2 * harmonics_per_pass * block);
   std::array<double, points_per_run> cosines;

@@ -11,9 +11,9 @@
 namespace stiction {
 namespace {
 
-// Repetitions are processed in chunks so small that intermediate values fit into the first-level cache.
+// Intermediate values of a chunk fit into the first-level cache.
 constexpr std::size_t repetitions_per_chunk = 256;
-// The number of partial sums is a multiple of all SIMD widths, so the order of additions is equal for every width.
+// Number of partial sums: a multiple of all SIMD widths, so that the order of additions is equal for every width.
 constexpr std::size_t sum_lanes = 32;
 using RepetitionChunk = std::array<double, repetitions_per_chunk>;
 using LaneValues = std::array<double, sum_lanes>;
@@ -46,7 +46,7 @@ STICTION_INLINE void compute_log1p(const RepetitionChunk& arguments, std::size_t
   }
 }
 
-// Call `add(value, lane)` for each value of a chunk. `lane` is the number of the partial sum for the value.
+// `lane` is the number of the partial sum for the value.
 template <class Add>
 STICTION_INLINE void for_each_lane(const RepetitionChunk& values, std::size_t size, Add add) {
   std::size_t i = 0;
@@ -68,7 +68,6 @@ STICTION_INLINE double sum_of(const LaneValues& values) {
   return sum;
 }
 
-// Add the sums of the first four powers of the values of a chunk to `sums`.
 STICTION_INLINE void add_powers(const RepetitionChunk& values, std::size_t size, double* sums) {
   LaneValues first{};
   LaneValues second{};
@@ -95,7 +94,6 @@ STICTION_INLINE double find_min(const RepetitionChunk& values, std::size_t size,
   return *std::min_element(lane_min.begin(), lane_min.end());
 }
 
-// Values of all repetitions of a curve at the steps before and after a point.
 struct StepRows {
   const double* before;
   const double* after;

@@ -29,7 +29,7 @@ Vector2 HertzCylinder::semi_axes(double overlap, const Radii& radii) const {
 }
 
 ForceArea JacksonGreen::operator()(double overlap, const Radii& radii) const {
-  constexpr double transition = 1.9;  // transition in units of the critical interference
+  constexpr double transition = 1.9;  // in units of the critical interference
   const double strain = yield_strength / effective_modulus;
   const double constraint = 1.295 * std::exp(0.736 * poisson_ratio);
   const double half_angle = 0.5 * pi * constraint * strain;
@@ -39,7 +39,7 @@ ForceArea JacksonGreen::operator()(double overlap, const Radii& radii) const {
     return elastic;
   }
   const double spread = std::pow(ratio / transition, 0.14 * std::exp(23.0 * strain));
-  const double contact_radius = half_angle * std::sqrt(ratio * spread);  // contact radius in units of the sphere radius
+  const double contact_radius = half_angle * std::sqrt(ratio * spread);  // in units of the sphere radius
   const double hardness =
       2.84 * (1.0 - std::exp(-0.82 * std::pow(contact_radius, -0.7)));  // mean pressure in units of the yield strength
   const double critical_force = elastic.force / (ratio * std::sqrt(ratio));

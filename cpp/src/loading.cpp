@@ -14,8 +14,7 @@ struct Point {
   double f;
 };
 
-// Search for one root in a bracket. `latest` is the latest estimate, and `previous` is the estimate before `latest`.
-// The root lies between the arguments of `latest` and `opposite`.
+// The root lies between the arguments of `latest` and `opposite`. `previous` is the estimate before `latest`.
 struct RootSearch {
   Point latest;
   Point opposite;
@@ -93,7 +92,7 @@ std::vector<double> find_crossings(const BatchFunction& function, Values levels,
   if (left.size() != levels.size() || right.size() != levels.size()) {
     throw std::invalid_argument("find_crossings: left and right must be as long as levels");
   }
-  // Evaluate the function at arguments that may be in any order and may contain duplicates.
+  // The arguments may be in any order and may contain duplicates.
   const auto values_at = [&](const std::vector<double>& arguments) {
     std::vector<double> distinct = arguments;
     std::sort(distinct.begin(), distinct.end());

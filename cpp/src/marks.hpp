@@ -8,7 +8,7 @@
 
 namespace stiction {
 
-/// Call `visit(i)` for every i from `begin` to `end - 1` whose mark is not 0. Eight marks are tested at a time.
+/// Visit every i from `begin` to `end - 1` whose mark is not 0. Eight marks are tested at a time.
 template <class Visit>
 void for_each_marked(const unsigned char* marks, Index begin, Index end, const Visit& visit) {
   constexpr Index marks_per_word = sizeof(std::uint64_t);

@@ -14,24 +14,21 @@ namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-// Tolerances of positions, in units of the side of a cell.
-// A minimum may lie outside its cell by up to `max_overshoot`, so that round-off loses no minimum between cells.
-// Two minima count as one minimum if the distance between their positions is below `merge_distance`.
+// A minimum may lie outside its cell by `max_overshoot` of its side, so that round-off loses no minimum between cells.
+// Two minima closer than `merge_distance` are one minimum.
 constexpr double max_overshoot = 1e-8;
 constexpr double merge_distance = 1e-6;
 
-// The spline in a cell lies within the range of its 16 coefficients.
-// Each derivative of the spline lies within the range of the differences of its 16 coefficients.
+// The spline in a cell lies within the range of its 16 coefficients, its derivatives within that of their differences.
 // A cell can have a minimum only if a coefficient is at most `max_value`, and both ranges of derivatives contain zero.
 
 STICTION_INLINE double smaller(double a, double b) { return a < b ? a : b; }
 STICTION_INLINE double larger(double a, double b) { return a > b ? a : b; }
 
-// If all coefficients of a block of cells exceed `max_value`, the block is excluded as a whole.
 // A block of 29 cells depends on 32 columns of coefficients, a multiple of every SIMD width.
 constexpr Index cells_per_block = 29;
 
-// In a row of cells, mark each block of cells that depends on a coefficient of at most `max_value`.
+// A block is marked if it depends on a coefficient of at most `max_value`.
 STICTION_MULTIVERSION
 void mark_low(const double* coefficients, Index cells, double max_value, unsigned char* marks) {
   for (Index first = 0; first < cells; first += cells_per_block) {
@@ -99,19 +96,18 @@ void mark_possible_cells(const double* lowest, const double* x_low, const double
   }
 }
 
-// Bernstein coefficients of a bicubic polynomial on a grid cell or a part of a cell, with x as the inner index.
+// Bernstein coefficients of a bicubic polynomial on a cell or a part of a cell, with x as the inner index.
 using Net = std::array<std::array<double, 4>, 4>;
 
-// Bernstein coefficients of several cells or parts of cells. The last index selects the cell or part.
+// The last index of `Nets` selects the cell or the part of a cell.
 template <std::size_t lanes>
 using Nets = std::array<std::array<std::array<double, lanes>, 4>, 4>;
 
 constexpr std::size_t cells_per_batch = 8;
 
-// Result of the sign tests for a part of a cell: no minimum possible, convex (at most one minimum), or undecided.
+// Result of the sign tests: no minimum possible, convex (at most one minimum), or undecided.
 enum class CellClass : unsigned char { excluded, convex, undecided };
 
-// Bernstein coefficients of several cells or parts of cells, with one cell or part in each SIMD lane.
 template <std::size_t Width>
 using PackNet = Pack<Width>[4][4];
 
@@ -162,7 +158,7 @@ STICTION_INLINE void classify(const PackNet<Width>& net, double max_value, const
   const P max_abs_xy = xy_high > -xy_low ? xy_high : -xy_low;
   const auto zero_slope = (x_low <= slack) & (x_high >= -slack) & (y_low <= slack) & (y_high >= -slack);
   const auto curved_up = (xx_high > 2.0 * slack) & (yy_high > 2.0 * slack);
-  // A part of a cell is excluded if the Hessian is indefinite at every point, because a minimum is then impossible.
+  // A Hessian that is indefinite at every point excludes a minimum.
   const auto no_saddle = 36.0 * xx_high * yy_high >= 81.0 * min_abs_xy * min_abs_xy;
   const auto possible = zero_slope & curved_up & no_saddle & (low <= zero + max_value);
   const auto convex = (xx_low > zero) & (yy_low > zero) & (36.0 * xx_low * yy_low > 81.0 * max_abs_xy * max_abs_xy);
@@ -173,7 +169,7 @@ STICTION_INLINE void classify(const PackNet<Width>& net, double max_value, const
 
 template <class P>
 STICTION_INLINE void to_bernstein(P& c0, P& c1, P& c2, P& c3) {
-  // Multiplication by 1/3 replaces division, because divisions would take most of the run time.
+  // Divisions would take most of the run time.
   constexpr double third = 1.0 / 3.0;
   constexpr double sixth = 1.0 / 6.0;
   const P a = sixth * (c0 + 4.0 * c1 + c2);
@@ -186,8 +182,7 @@ STICTION_INLINE void to_bernstein(P& c0, P& c1, P& c2, P& c3) {
   c3 = d;
 }
 
-// Convert the B-spline coefficients of several cells to Bernstein coefficients in place, and classify the cells.
-// Also returns the round-off of the spline in each cell.
+// Convert B-spline coefficients to Bernstein coefficients in place. Also returns the round-off of the spline.
 template <std::size_t Width>
 STICTION_INLINE void classify_cells_kernel(double* coefficients, double max_value, double* round_off,
                                            CellClass* classes) {
@@ -217,7 +212,7 @@ STICTION_INLINE void classify_cells_kernel(double* coefficients, double max_valu
 STICTION_KERNEL(classify_cells, (double* coefficients, double max_value, double* round_off, CellClass* classes),
                 (coefficients, max_value, round_off, classes))
 
-// Compute the Bernstein coefficients of both halves of a cubic with de Casteljau's algorithm.
+// De Casteljau's algorithm.
 STICTION_INLINE void halve(double a, double b, double c, double d, std::array<double, 4>& first,
                            std::array<double, 4>& second) {
   const double ab = 0.5 * (a + b);
@@ -230,7 +225,7 @@ STICTION_INLINE void halve(double a, double b, double c, double d, std::array<do
   second = {middle, bcd, cd, d};
 }
 
-// Divide a part of a cell into quarters: the lower left, the lower right, the upper left and the upper right quarter.
+// The quarters are in the order lower left, lower right, upper left, upper right.
 STICTION_INLINE void quarter(const Net& net, Nets<4>& quarters) {
   std::array<Net, 2> halves;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -292,8 +287,7 @@ class Cell {
   Cell(const MatrixView& coefficients, Index row, Index column, double max_value)
       : coefficients_(coefficients), row_(row), column_(column), max_value_(max_value) {}
 
-  // Call `visit(minimum)` for each minimum of the cell.
-  // The visited minima have no values and derivatives yet, and their positions may be slightly outside the cell.
+  // Visited minima have no values and derivatives yet, and may be slightly outside the cell.
   template <class Visit>
   void search(const Net& net, double round_off, CellClass cell_class, const Visit& visit) const {
     search_part(net, 0.0, 0.0, 1.0, round_off, cell_class, visit);
@@ -343,7 +337,7 @@ class Cell {
       double du = (at.xy * at.y - at.yy * at.x) / determinant;
       double dv = (at.xy * at.x - at.xx * at.y) / determinant;
       const double length = larger(std::abs(du), std::abs(dv));
-      // On a nearly level floor, round-off prevents the steps of Newton's method from becoming shorter.
+      // On a nearly level floor, round-off keeps the steps of Newton's method from becoming shorter.
       if (length <= 1e-12 || larger(std::abs(at.x), std::abs(at.y)) <= round_off) {
         return Minimum{row_, column_, u + du, v + dv, {}};
       }
@@ -366,7 +360,7 @@ class Cell {
   double max_value_;
 };
 
-// Move a minimum close to the right or upper side of its cell to the neighbouring cell.
+// The right and upper sides of a cell belong to the neighbouring cells.
 void move_to_owner(double& fraction, Index& cell, Index cells) {
   if (fraction >= 1.0 - merge_distance && cell + 1 < cells) {
     cell += 1;
@@ -391,7 +385,7 @@ bool is_same(const Minimum& first, const Minimum& second) {
 
 std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& range, double max_value,
                             const CancellationCheck& check_cancellation) {
-  const Index rows = coefficients.rows() - 3;  // number of cells along a column of the map
+  const Index rows = coefficients.rows() - 3;
   const Index columns = coefficients.cols() - 3;
   const Index stride = coefficients.outerStride();
   std::vector<Minimum> all_minima;
@@ -407,7 +401,7 @@ std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& ran
   };
   std::vector<unsigned char> marks(static_cast<std::size_t>(range.columns));
   Ranges ranges(range.columns + 3);
-  std::vector<Index> remaining_columns;  // columns of the remaining cells in a row
+  std::vector<Index> remaining_columns;
   Nets<cells_per_batch> nets{};
   std::array<double, cells_per_batch> round_off;
   std::array<CellClass, cells_per_batch> classes;
@@ -464,8 +458,7 @@ std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& ran
     }
   }
   std::stable_sort(all_minima.begin(), all_minima.end(), precedes);
-  // A minimum may have been found twice, in two cells or in two parts of a cell. The second copy is removed.
-  // Both copies of a minimum belong to the same cell, because `move_to_owner` has been applied.
+  // Remove minima found twice, in two cells or in two parts of a cell. `move_to_owner` gave both copies the same cell.
   std::vector<Minimum> result;
   result.reserve(all_minima.size());
   for (const Minimum& minimum : all_minima) {

@@ -1,13 +1,12 @@
 // Function multiversioning: hot loops are compiled for several instruction sets.
-// At load time, the loader selects the versions for the widest instruction set that the machine supports.
-// STICTION_MULTIVERSION is for plain loops, which the compiler vectorises automatically.
-// STICTION_KERNEL is for loops that use SIMD registers explicitly, so that important values stay in registers.
+// The loader selects the versions for the widest instruction set that the machine supports.
+// STICTION_MULTIVERSION is for plain loops, STICTION_KERNEL for loops that must keep values in SIMD registers.
 #pragma once
 
 #include <cstddef>
 
-// Multiversioning requires the loader of the GNU C library on x86-64 Linux, which selects a version of each function.
-// Multiversioning is disabled under sanitizers, because their start-up code is incompatible with resolver functions.
+// Multiversioning requires the GNU loader on x86-64 Linux. The start-up code of sanitizers is incompatible with
+// resolver functions.
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
 #define STICTION_SANITIZED
 #elif defined(__has_feature)
@@ -27,7 +26,6 @@
 #endif
 #endif
 
-/// Attribute that compiles a function of plain loops for several instruction sets.
 /// STICTION_MULTIVERSION is empty for Clang, because some versions of Clang omit functions that a clone calls.
 #if defined(STICTION_WIDE) && !defined(__clang__)
 #define STICTION_MULTIVERSION __attribute__((target_clones(STICTION_WIDEST, STICTION_WIDE, "default")))
@@ -35,13 +33,12 @@
 #define STICTION_MULTIVERSION
 #endif
 
-// Clang reports a function as unused if only the loader uses the function.
+// Clang reports functions as unused that only the loader uses.
 #if defined(__clang__)
 #pragma clang diagnostic ignored "-Wunused-function"
 #endif
 
-/// Define the function `void name(parameters)` from the template `name_kernel<Width>(arguments)`.
-/// Width is the number of doubles in a register of the instruction set.
+/// Define `void name(parameters)` from the template `name_kernel<Width>(arguments)`, for Width doubles per register.
 /// If a SIMD type is wider than a register, GCC stores its values in memory, which is 20 times slower to access.
 #if defined(STICTION_WIDE)
 #define STICTION_KERNEL(name, parameters, arguments)                                                            \
@@ -53,12 +50,11 @@
   void name parameters { name##_kernel<2> arguments; }
 #endif
 
-// Functions called in a hot loop must be inlined, so that they are compiled for the instruction sets of the loop.
+// Inlined functions are compiled for the instruction sets of the loop that calls them.
 #define STICTION_INLINE __attribute__((always_inline)) inline
 
 namespace stiction {
 
-// SIMD types of GCC and Clang, and variants of these types for unaligned memory.
 // Each SIMD width has its own type, because compilers ignore attributes of types that depend on a template parameter.
 template <std::size_t Width>
 struct PackOf;
@@ -84,14 +80,12 @@ struct PackOf<8> {
   };
 };
 
-/// SIMD register that contains `Width` doubles.
 template <std::size_t Width>
 using Pack = typename PackOf<Width>::Type;
 
 inline constexpr std::size_t widest_pack = 8;
 
-// Load a SIMD register from unaligned memory.
-// std::memcpy is not used here, because GCC would split the copy before it knows the instruction set.
+// GCC would split a std::memcpy before it knows the instruction set.
 template <std::size_t Width>
 STICTION_INLINE Pack<Width> load(const double* values) {
   return reinterpret_cast<const typename PackOf<Width>::Unaligned*>(values)->pack;

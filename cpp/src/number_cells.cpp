@@ -14,7 +14,7 @@
 #include <system_error>
 
 #if defined(_LIBCPP_VERSION) && _LIBCPP_VERSION < 200000
-#define STICTION_USE_STRTOD 1  // LLVM's C++ library can convert floating-point numbers only since version 20
+#define STICTION_USE_STRTOD 1  // LLVM's C++ library converts floating-point numbers only since version 20
 #include <locale.h>
 #include <cerrno>
 #include <cstdlib>
@@ -26,9 +26,9 @@
 namespace stiction {
 namespace {
 
-constexpr std::size_t chunk_length = std::size_t{1} << 18;  // number of characters that one task converts
+constexpr std::size_t chunk_length = std::size_t{1} << 18;  // characters that one task converts
 
-// Count the ends of cells in a part of a text. Counters of short integer type allow the loop to be vectorised.
+// Counters of short integer type allow the loop to be vectorised.
 STICTION_MULTIVERSION
 std::size_t count_cell_ends(const char* text, std::size_t size, char separator) {
   constexpr std::size_t block = 255;
@@ -44,7 +44,7 @@ std::size_t count_cell_ends(const char* text, std::size_t size, char separator) 
   return count;
 }
 
-// Convert the number at the start of `text`. Returns the end of the number, or null if there is no number at the start.
+// Returns the end of the number, or null if `text` does not start with a number.
 const char* convert_number(std::string_view text, [[maybe_unused]] char separator, double& value) {
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') {
     text.remove_prefix(1);
@@ -95,7 +95,7 @@ std::vector<std::size_t> convert_cells(std::string_view text, char separator, st
                                 std::to_string(cells));
   }
   std::vector<std::vector<std::size_t>> failures(chunks);
-  // Each cell is converted by the task whose chunk of the text contains the end of the cell.
+  // A cell is converted by the task whose chunk contains the end of the cell.
   pool.run(chunks, [&](std::size_t chunk, std::size_t) {
     const std::size_t end_cell = chunk + 1 < chunks ? first_cells[chunk + 1] : values.size();
     if (first_cells[chunk] == end_cell) {

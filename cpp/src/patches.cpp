@@ -10,12 +10,12 @@
 namespace stiction {
 namespace {
 
-// At each open side, a cell under pressure extends beyond the true contact by this fraction of the cell.
+// Fraction of a cell by which pressure extends beyond the true contact at an open side.
 // On profiles, Westergaard's solution for a sinusoid gives 0.38 ± 0.03 points per contact, and half of this per side.
 constexpr double line_side_fraction = 0.19;
 constexpr double area_side_fraction = (std::numbers::pi - 1 + std::numbers::ln2) / 24;
 
-// Disjoint sets of points (union-find). Each set is represented by its first point.
+// Union-find. Each set is represented by its first point.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t count) : first_(count) {
@@ -43,7 +43,7 @@ class DisjointSets {
   std::vector<std::int32_t> first_;
 };
 
-// Check a contact on a grid with `num_grid_points` points, and return the number of contact patches.
+// Returns the number of contact patches.
 std::size_t count_patches(const ContactView& contact, std::size_t num_grid_points) {
   const std::size_t size = contact.points.size();
   if (contact.pressure.size() != size || contact.contact_fraction.size() != size || contact.patch.size() != size) {
@@ -71,7 +71,7 @@ Patches patches_of(Values pressure, const Grid& grid, double hardness) {
     throw std::invalid_argument("patches_of: pressure must have as many elements as the grid has points");
   }
   Patches result;
-  // Points under pressure are numbered from 1. Points without pressure have the number 0.
+  // Points under pressure are numbered from 1.
   std::vector<std::int32_t> numbers(pressure.size(), 0);
   for (std::size_t i = 0; i < pressure.size(); ++i) {
     if (pressure[i] != 0.0) {
@@ -83,7 +83,7 @@ Patches patches_of(Values pressure, const Grid& grid, double hardness) {
   const auto rows = static_cast<std::int64_t>(grid.rows);
   const auto columns = static_cast<std::int64_t>(grid.columns);
   const double side_fraction = grid.line ? line_side_fraction : area_side_fraction;
-  // Return the number of a point. Beyond an edge, return 0 or, on a periodic grid, the number at the opposite edge.
+  // Beyond an edge, the number is 0 or, on a periodic grid, the number at the opposite edge.
   const auto at = [&](std::int64_t row, std::int64_t column) -> std::int32_t {
     if (row < 0 || row >= rows || column < 0 || column >= columns) {
       if (!grid.periodic) {
@@ -169,8 +169,7 @@ PatchSums patch_sums(std::span<const ContactView> contacts, Values slope_y, Valu
         const double area = contact.contact_fraction[i] * cell_area;
         const double rise = slope_x[point] * x + along_y(point) * y;  // -q s·n
         const double across = slope_x[point] * y - along_y(point) * x;
-        // The tangent t is (-s + (s·n) n) / sqrt(1 - (s·n)²).
-        // With sqrt(1 - (s·n)²) = level/q, the upward component q F t_z of the friction equals -F rise/level.
+        // level = q sqrt(1 - (s·n)²). With the tangent t = (-s + (s·n) n) q/level, q F t_z equals -F rise/level.
         const double level = std::sqrt(1 + across * across);
         const double upward = -rise / level;
         sums.leaning[at] += rise * force;

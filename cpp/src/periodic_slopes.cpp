@@ -12,10 +12,10 @@
 namespace stiction {
 namespace {
 
-// Columns are copied in strips of 4 pairs of columns, whose heights in one row fill a cache line.
+// The heights of 4 pairs of columns in one row fill a cache line.
 constexpr Index pairs_per_strip = 4;
 
-// Derivative of two periodic lines in one transform: one line is the real part, and the other the imaginary part.
+// One transform differentiates two periodic lines: one is the real part, the other the imaginary part.
 class PairDerivative {
  public:
   PairDerivative(Index points, double spacing)
@@ -29,7 +29,7 @@ class PairDerivative {
     }
   }
 
-  // Replace the values of two lines by the derivatives of both lines. The buffer must be aligned.
+  // The buffer must be aligned.
   void replace(std::complex<double>* values) {
     std::complex<double>* coefficients = coefficients_.get<double>(factors_.size());
     fft_.forward(values, coefficients);

@@ -10,13 +10,13 @@
 namespace stiction {
 namespace {
 
-// The conjugate-gradient steps for the blocks end once the squared relative residual falls below `block_tolerance`.
+// Limits of the conjugate-gradient steps for the blocks: number, and squared relative residual.
 constexpr int max_block_steps = 5;
 constexpr double block_tolerance = 1e-4;
-// The foundation stiffness is computed again only if the number of free points changes by more than this fraction.
+// Relative change of the number of free points at which the foundation stiffness is computed again.
 constexpr double max_foundation_change = 0.02;
 constexpr std::size_t points_per_block_task = std::size_t{1} << 16;
-// Maximum number of tasks. Each task computes partial sums for the blocks.
+// Each task needs partial sums for all blocks.
 constexpr std::size_t max_tasks = 8;
 
 double product(const std::vector<float>& left, const std::vector<float>& right) {
@@ -163,7 +163,7 @@ void Preconditioner::sum_on_blocks(std::span<const std::int32_t> free_points, st
   }
 }
 
-// Solve the linear system of the blocks by conjugate gradients, preconditioned by a half-space on a uniform foundation.
+// The system is preconditioned by a half-space on a uniform foundation.
 // The foundation stiffness is rounded to a power of two, so that few different spectral filters are needed.
 void Preconditioner::solve_blocks(Workspace& workspace, const ThreadPool& pool) {
   const std::size_t size = loads_.size();

@@ -15,18 +15,15 @@
 namespace stiction {
 namespace {
 
-// Limits of the optimal step length, relative to the trial step length.
-// If the optimal step length is below the lower limit, the step is shortened.
-// Both limits also restrict the ratio of successive trial step lengths.
+// Limits of the optimal step length, relative to the trial length, and of the ratio of successive trial lengths.
 constexpr double min_length_factor = 0.5;
 constexpr double max_length_factor = 2.0;
 constexpr double max_recovery_factor = 100.0;  // largest factor by which steps are lengthened after failed steps
 constexpr int max_failed_steps = 6;
-// Factor by which the step length is reduced after a failed step.
 constexpr double failure_factor = 0.25;
-// Upper limit of the load change at a free point, relative to the load on all free points.
-// With a larger change at a free point, round-off would affect the total load.
-// Without the limit, step lengths would grow from step to step, because steps that end at a bound are too short.
+// Limit of the load change at a free point, relative to the load on all free points.
+// Without this limit, trial lengths would grow, because steps that end at a bound are too short, and round-off would
+// matter.
 constexpr double max_change_ratio = 1e3;
 constexpr int max_newton_steps = 200;
 constexpr std::size_t grid_sum_lanes = 8;
@@ -40,9 +37,8 @@ void add_scaled(const float* response, std::size_t size, double factor, double* 
   }
 }
 
-// Mark the free points of a block. Returns whether the block contains a free point.
 // A free point has a pressure between 0 and its bound, or a gap that drives the pressure away from the bound.
-// Points without pressure whose gap is NaN count as free.
+// Points without pressure whose gap is NaN count as free. Returns whether the block contains a free point.
 STICTION_MULTIVERSION
 bool mark_free(const double* pressure, const double* potential, const double* bound, std::size_t size, double approach,
                std::uint8_t* marks) {
@@ -51,7 +47,7 @@ bool mark_free(const double* pressure, const double* potential, const double* bo
     const double p = pressure[i];
     const double gap = potential[i] - approach;
     const bool loaded = p > 0.0;
-    // The loop over the points has no branches, because the processor would mispredict many branches.
+    // The loop has no branches, because many would be mispredicted.
     const bool is_free = (loaded & ((p < bound[i]) | (gap > 0.0))) | (!loaded & (bound[i] > 0.0) & !(gap >= 0.0));
     marks[i] = static_cast<std::uint8_t>(is_free);
     any |= marks[i];
@@ -59,7 +55,6 @@ bool mark_free(const double* pressure, const double* potential, const double* bo
   return any != 0;
 }
 
-// Write the values (from + slope · j) of a linear function for j = first, first + 1, and so on.
 STICTION_MULTIVERSION
 void write_line(float from, float slope, std::int32_t first, std::int32_t count, float* values) {
   for (std::int32_t j = 0; j < count; ++j) {
@@ -69,7 +64,7 @@ void write_line(float from, float slope, std::int32_t first, std::int32_t count,
 
 struct Moments {
   double sum = 0.0;
-  double moment = 0.0;  // sum of each value multiplied by its index, counted from `first`
+  double moment = 0.0;  // Σ (index - first) · value
 };
 
 STICTION_MULTIVERSION
@@ -94,11 +89,10 @@ Moments moments(const float* values, std::int32_t first, std::int32_t count) {
 }
 
 struct SplitLoad {
-  double between = 0.0;   // sum of the pressures of points below their bound
-  double at_bound = 0.0;  // sum of the pressures of points at their bound
+  double between = 0.0;   // of points below their bound
+  double at_bound = 0.0;  // of points at their bound
 };
 
-// Sum the pressures of a block in several partial sums, which allow vectorisation.
 STICTION_MULTIVERSION
 SplitLoad split_load(const double* pressure, const double* bound, std::size_t size) {
   std::array<double, grid_sum_lanes> between{};
@@ -129,7 +123,6 @@ struct ClippedSum {
   }
 };
 
-// Return the sum of the pressures after subtracting a shift and clipping each pressure to 0 and to its bound.
 STICTION_MULTIVERSION
 ClippedSum clipped_sum(const double* pressure, const double* bound, std::size_t size, double shift) {
   std::array<double, grid_sum_lanes> sums{};
@@ -155,7 +148,7 @@ std::size_t point(const std::vector<std::int32_t>& points, std::size_t k) {
   return static_cast<std::size_t>(points[k]);
 }
 
-// Run `work(first, last)` on chunks of indices, and add the results in the order of the chunks.
+// Chunk results are added in a fixed order, whatever the number of threads.
 template <class Sums, class Work>
 Sums sum_chunks(std::size_t count, const ThreadPool& pool, const Work& work) {
   std::vector<Sums> chunk_sums(std::max<std::size_t>((count + free_points_per_task - 1) / free_points_per_task, 1));
@@ -169,9 +162,8 @@ Sums sum_chunks(std::size_t count, const ThreadPool& pool, const Work& work) {
   return total;
 }
 
-// Return the shift that must be subtracted from all pressures so that the clipped pressures have the given sum.
-// The sum of the clipped pressures is a decreasing, piecewise linear function of the shift.
-// Newton's method within a bracket finds the shift of the pressures.
+// Return the shift that gives the pressures, after clipping to their bounds, the given sum.
+// The sum is a decreasing, piecewise linear function of the shift, solved by Newton's method within a bracket.
 double shift_to_sum(std::span<const double> pressure, std::span<const double> bound, double sum,
                     const ThreadPool& pool) {
   double left = -std::numeric_limits<double>::infinity();
@@ -307,7 +299,7 @@ double ProjectedCgSolver::update_free_points(const ThreadPool& pool) {
       }
     });
   }
-  // The list `stepped_points_` contains every point whose pressure is strictly between its bounds.
+  // `stepped_points_` contains every point whose pressure is strictly between its bounds.
   const float* response = pending_fraction_ != 0.0 ? pending_response_.data() : residual_.data();
   const ClippedSum between =
       sum_chunks<ClippedSum>(stepped_points_.size(), pool, [&](std::size_t first, std::size_t last) {
@@ -326,7 +318,7 @@ double ProjectedCgSolver::update_free_points(const ThreadPool& pool) {
     pending_fraction_ = 0.0;
   }
   approach_ = between.between > 0.0 ? between.sum / between.between : approach_from_bounds();
-  // Add the pending response to the potential, and find the free points, in one pass over the grid.
+  // One pass over the grid adds the pending response to the potential, and finds the free points.
   const std::size_t size = pressure_.size();
   task_free_points_.resize((size + grid_points_per_task - 1) / grid_points_per_task);
   pool.run(task_free_points_.size(), [&](std::size_t task, std::size_t) {
@@ -395,10 +387,8 @@ void ProjectedCgSolver::find_free_points(std::size_t first, std::size_t last, st
   }
 }
 
-// Return the approach if each point has either no pressure or the pressure at its upper bound.
-// At the returned approach, points at their bound must have no gap, and points without pressure must not overlap.
-// If no point without pressure has a potential below the largest potential under pressure, that potential is returned.
-// Otherwise, no approach meets these conditions, and some of the points become free at the returned approach.
+// At the approach, points under pressure must have no gap, and points without pressure must not overlap.
+// If no approach meets both conditions, the mean of their limits frees some of the points.
 double ProjectedCgSolver::approach_from_bounds() const {
   double max_loaded = -std::numeric_limits<double>::infinity();
   double min_unloaded = std::numeric_limits<double>::infinity();
@@ -412,10 +402,8 @@ double ProjectedCgSolver::approach_from_bounds() const {
   return max_loaded <= min_unloaded ? max_loaded : min_unloaded + 0.5 * (max_loaded - min_unloaded);
 }
 
-// Call the visitor for each run of constrained points, which lies between two free points.
-// The visitor receives the positions of the two free points in `free_points_`, and the length of the run.
+// A run of constrained points lies between two free points, given by their positions in `free_points_`.
 // A run that wraps around the edge of the grid is passed as two segments.
-// A segment consists of its first point, its length, and the position of its first point in the run.
 template <class Visit>
 void ProjectedCgSolver::for_each_constrained_run(Visit visit) const {
   const auto size = static_cast<std::int32_t>(pressure_.size());
@@ -484,7 +472,7 @@ std::span<const float> ProjectedCgSolver::step(std::span<const float> preconditi
   restrict_to_free_points(preconditioned);
   conjugate_ = conjugate_ && !response.empty();
   struct Products {
-    // Total load of the free points. Each step must leave this load unchanged, or errors would grow from step to step.
+    // Each step must leave the total load of the free points unchanged, or errors would grow from step to step.
     double load = 0.0;
     double value = 0.0;
     double step = 0.0;
@@ -586,7 +574,6 @@ std::span<const float> ProjectedCgSolver::step(std::span<const float> preconditi
   return step_;
 }
 
-// Return the largest fraction of the step for which all pressures stay within their bounds.
 double ProjectedCgSolver::max_feasible_fraction() const {
   double fraction = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < stepped_points_.size(); ++k) {

@@ -37,8 +37,7 @@ void right_sides(const double* heights, Index size, double scale, double* result
   }
 }
 
-// The slope at a point is the mean of the slopes of the two adjacent cubics, which differ by round-off.
-// The mean of both slopes is symmetric in x, so the slopes of a mirrored profile differ only in their sign.
+// The mean of the slopes of both adjacent cubics, which differ by round-off, makes slopes symmetric in x.
 STICTION_MULTIVERSION
 void slopes(const double* heights, const double* curvature, Index size, double spacing, double* result) {
   const double height_factor = 0.5 / spacing;
@@ -61,14 +60,14 @@ double last_slope(Values heights, double curvature_before, double spacing) {
 
 // Distance in points beyond which the curvature due to a unit load is negligible (0.268^28 = 1e-16).
 constexpr Index kernel_reach = 28;
-// Curvatures are computed in chunks of `chunk` points plus one point on each side, rounded up to multiples of `stride`.
+// A chunk plus one point on each side is a multiple of `stride`.
 constexpr Index stride = 32;
 constexpr Index chunk = 254;
 static_assert((chunk + 2) % stride == 0);
 
 using Kernel = std::array<double, kernel_reach + 1>;
 
-// Return the curvatures at distances of 0, 1, ..., `kernel_reach` points from a unit load that is far from both ends.
+// Element k of the kernel is the curvature at k points from a unit load that is far from both ends.
 const Kernel& unit_load() {
   static const Kernel kernel = [] {
     constexpr std::size_t middle = 3 * kernel_reach;
@@ -83,7 +82,7 @@ const Kernel& unit_load() {
   return kernel;
 }
 
-// Compute result[i] = Σ_k kernel[|k|] values[i + k] for i = 0, 1, ..., size - 1. `size` is a multiple of `stride`.
+// result[i] = Σ_k kernel[|k|] values[i + k]. `size` is a multiple of `stride`.
 template <std::size_t Width>
 STICTION_INLINE void superpose_kernel(const double* values, const double* kernel, std::size_t size, double* result) {
   constexpr std::size_t packs = 4;
@@ -135,7 +134,7 @@ void natural_spline_from(Values heights, double spacing, Index first, std::span<
   const double* y = heights.data();
   const double scale = load_scale(spacing);
   const Index last = size - 1;
-  // The load on the spline is mirrored at both ends with opposite sign, which makes the curvature zero at both ends.
+  // Mirroring the load at both ends with opposite sign makes the curvature zero at both ends.
   const auto load_at = [&](Index j) {
     const Index i = (j % (2 * last) + 2 * last) % (2 * last);
     const Index image = i > last ? 2 * last - i : i;
@@ -146,7 +145,7 @@ void natural_spline_from(Values heights, double spacing, Index first, std::span<
     return i > last ? -load : load;
   };
   std::array<double, chunk + 2 + 2 * kernel_reach> load;
-  std::array<double, chunk + 2> curvatures;  // curvatures at the points of a chunk, starting one point before the chunk
+  std::array<double, chunk + 2> curvatures;  // starting one point before the chunk
   for (Index done = 0; done < points; done += chunk) {
     const Index count = std::min(chunk, points - done);
     const Index begin = first + done;
@@ -166,7 +165,7 @@ void natural_spline_from(Values heights, double spacing, Index first, std::span<
     superpose(load.data() + kernel_reach, unit_load().data(), static_cast<std::size_t>(padded), curvatures.data());
 
     std::copy_n(curvatures.data() + 1, count, curvature.data() + done);
-    const Index first_inner = begin == 0 ? 1 : 0;  // first point of the chunk with neighbours on both sides
+    const Index first_inner = begin == 0 ? 1 : 0;  // first point with neighbours on both sides
     const Index last_inner = begin + count == size ? count - 1 : count;
     slopes(y + begin + first_inner, curvatures.data() + 1 + first_inner, last_inner - first_inner, spacing,
            slope.data() + done + first_inner);

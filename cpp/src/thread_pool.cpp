@@ -15,7 +15,6 @@
 namespace stiction {
 namespace {
 
-// Condition variable for threads that wait for a std::mutex.
 // Compiled by GCC 12, `std::condition_variable` would require GLIBCXX_3.4.30, which old Linux systems lack.
 class Condition {
  public:
@@ -39,9 +38,7 @@ class Condition {
 
 }  // namespace
 
-// A round is the set of tasks of one call of `run`.
-// A round ends without waiting for threads that have not started any task of the round.
-// A thread that wakes up after the end of a round waits for the next round.
+// A round is one call of `run`. It ends without waiting for threads that have not started any of its tasks.
 struct ThreadPool::Workers {
   using Work = std::function<void(std::size_t, std::size_t)>;
 
@@ -55,7 +52,7 @@ struct ThreadPool::Workers {
   Condition round_started;
   Condition round_finished;
   Round round;
-  // Number of the round in the upper 32 bits of `next_task`, and number of the next task in the lower 32 bits.
+  // Number of the round in the upper 32 bits, and number of the next task in the lower 32 bits.
   std::atomic<std::uint64_t> next_task{0};
   std::atomic<std::uint32_t> finished_tasks{0};
   std::atomic<bool> stopped{false};
@@ -80,8 +77,7 @@ struct ThreadPool::Workers {
     }
   }
 
-  // Start one thread. Returns false if the system cannot create another thread, for example because of a limit.
-  // If the thread cannot start, no exception is thrown, because the calling thread can finish the calculation alone.
+  // Returns false, without an exception, if the system limits the number of threads: the caller can work alone.
   bool start_thread() {
     try {
       threads.emplace_back([this, thread = threads.size() + 1] { run(thread); });
@@ -122,7 +118,7 @@ struct ThreadPool::Workers {
     }
   }
 
-  // Run tasks of a round until no task is left. After an exception, the remaining tasks are counted but not run.
+  // After an exception, the remaining tasks are counted but not run.
   void run_tasks(const Round& current, std::size_t thread, const CancellationCheck& check_cancellation) {
     std::uint64_t ticket = next_task;
     while (ticket >> 32 == current.number && static_cast<std::uint32_t>(ticket) < current.tasks) {

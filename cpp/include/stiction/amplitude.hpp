@@ -31,7 +31,6 @@ class HeightAccumulator {
 
   HeightAccumulator();
   void add(Values heights);
-  /// Return the statistics of all heights added so far.
   HeightStatistics statistics() const;
 
  private:
@@ -51,12 +50,9 @@ struct Scaling {
 std::optional<Scaling> find_scaling(double amplitude, AmplitudeMeasure measure, Values heights,
                                     const HeightStatistics& statistics);
 
-/// Write (height - mean) * factor for each height to `scaled`, which must have as many elements as `heights`.
 void scale(Values heights, const Scaling& scaling, std::span<double> scaled);
 
-/// Scale `heights` to zero mean and to the amplitude `amplitude` [µm], and write the scaled heights to `scaled`.
-/// Returns false without writing if the profile is flat, because no factor changes its amplitude.
-/// Throws std::invalid_argument if `heights` and `scaled` differ in length.
+/// Scale `heights` to zero mean and to `amplitude` [µm]. Returns false without writing if the profile is flat.
 bool scale_to_amplitude(Values heights, double amplitude, AmplitudeMeasure measure, std::span<double> scaled);
 
 }  // namespace stiction

@@ -1,8 +1,7 @@
 // Contact of two height maps. Each contact is a Hertzian ellipse at a local minimum of the spline of the gap.
 //
 // The x axis points along a row of a map and the y axis along a column. Both maps have the same grid.
-// The approach [µm] is the displacement of the upper surface towards the lower surface.
-// The approach is zero when the first grid points come into contact.
+// The approach [µm] is the displacement of the upper surface towards the lower surface since first grid contact.
 // At a minimum of the gap, the tangent planes of both surfaces are parallel, so they share a contact normal.
 // The contact normal is kept constant as the overlap grows: its rotation is of second order in overlap/radius.
 //
@@ -11,10 +10,7 @@
 //
 // Round-off must not decide whether a nearly level minimum of the gap is a contact.
 // The following rules make the result independent of rotating, mirroring, swapping or shifting the pair of maps:
-// - Slopes and curvatures per grid step [µm] count as zero up to 2^-26 of the range of the gap.
-// - Because of round-off, slopes and curvatures also count as zero up to 2^-42 of the largest height.
-// - A minimum of the gap that is not curved upwards in every direction is a level valley or plateau.
-// - A level valley or plateau of the gap is not a contact, because it has no single lowest point.
+// - A level valley or plateau of the gap (see `level_fraction`) has no single lowest point, so it is not a contact.
 // - A grid point on a level plateau counts as a grid minimum of the gap, although the spline has no minimum there.
 // - A surface that is flat in one or both directions, but not concave, counts as a summit.
 // - A contact whose slope along the motion is zero does not oppose the motion.
@@ -43,22 +39,20 @@ struct SurfacePair {
 };
 
 /// Contact normal, and principal radii of the gap, at a point where two surfaces have the same slope p.
-/// `xx, xy, yy` [1/µm] are the elements of the Hessian matrix of the gap at the contact point.
-/// With q = sqrt(1 + p²), the principal curvatures of the gap are the eigenvalues of the Hessian matrix, divided by q.
-/// The eigenvalues refer to the metric of the tangent plane, which is I + p pᵀ.
 struct ContactGeometry {
-  Vector3 normal;  ///< unit vector from the lower to the upper surface, (-p, 1)/q
+  Vector3 normal;  ///< unit vector from the lower to the upper surface, (-p, 1)/sqrt(1 + p²)
   Radii radii;     ///< principal radii of the relative curvature, both > 0
   Vector3 along;   ///< unit vector in the tangent plane, in the direction of the larger radius
 };
 
-/// Compute the contact geometry from the slope of the surfaces and from a positive definite Hessian matrix of the gap.
+/// Compute the contact geometry from the slope p and a positive definite Hessian matrix [1/µm] of the gap.
+/// The principal curvatures are the eigenvalues of the matrix in the metric I + p pᵀ, divided by sqrt(1 + p²).
 ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, double yy);
 
 /// Local minimum of the gap, at which the surfaces touch if the approach is larger than the member `gap`.
 struct ArealCandidate {
-  Index row;         ///< row of the first grid point of the cell that contains the minimum
-  Index column;      ///< column of the first grid point of the cell that contains the minimum
+  Index row;  ///< (row, column) is the first grid point of the cell that contains the minimum
+  Index column;
   Vector3 position;  ///< position of the minimum on the lower surface [µm]
   /// Gap [µm] at the minimum, at zero approach. The gap is negative if the spline dips below the grid points.
   double gap;
@@ -80,24 +74,20 @@ struct ArealCandidates {
   std::vector<double> unanswered;
   double deepest;   ///< largest approach [µm] at which all contacts are candidates
   Vector2 spacing;  ///< distance between columns, and between rows, of the maps [µm]
-  Index rows;       ///< number of rows of the maps
-  Index columns;    ///< number of columns of the maps
+  Index rows;
+  Index columns;
 };
 
 /// Two heights count as equal if they differ by less than this fraction of the largest height.
-/// A height difference below this fraction may be round-off of the heights or of the spline.
 inline constexpr double round_off_fraction = 0x1p-46;
 
-/// Relative tolerance within which a valley of the gap counts as level.
 /// A slope or curvature with respect to the grid index [µm] counts as zero up to this fraction of the range of the gap.
-/// With a tolerance of 2^-26, a minimum is located to about 1e-8 of a grid spacing.
+/// This fraction locates a minimum to about 1e-8 of a grid spacing.
 inline constexpr double level_fraction = 0x1p-26;
 
 /// Find all contact candidates whose gap is at most `deepest` [µm] >= 0.
 /// The curvature rule `convex` requires that both surfaces are summits; `signed_` requires only a minimum of the gap.
-/// The maps must have equal shapes, at least 4 rows and 4 columns, and finite heights.
-/// The gap between the maps must not be the same at all points.
-/// Throws std::invalid_argument if the maps do not meet these requirements.
+/// Throws std::invalid_argument unless the maps have equal shapes (>= 4 by 4), finite heights, and a gap that varies.
 ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature curvature,
                            const CancellationCheck& check_cancellation = {});
 
@@ -144,14 +134,12 @@ std::vector<Contact> contacts(const ArealCandidates& candidates, double approach
 
 /// Compute the contact sums for every direction and approach, ordered by direction, then by approach.
 /// Approaches [µm] must be at least 0 and strictly increasing. Directions are horizontal unit vectors.
-/// The law HertzSphere is applied to the contact ellipse.
-/// Other laws are applied to a sphere whose radius is the geometric mean of the principal radii.
+/// HertzSphere is applied to the contact ellipse, other laws to a sphere with the mean radius of `Radii::mean`.
 /// Throws std::invalid_argument for invalid arguments and for HertzCylinder.
 std::vector<ArealSums> press(const ArealCandidates& candidates, Values approaches, const Law& law,
                              std::span<const Vector2> directions, Sliding sliding,
                              const CancellationCheck& check_cancellation = {});
 
-/// Compute the contact sums for the law, the direction and the sliding rule of a contact model.
 std::vector<ArealSums> press(const ArealCandidates& candidates, Values approaches, const ContactModel& model,
                              const CancellationCheck& check_cancellation = {});
 

@@ -1,9 +1,8 @@
 // Matrices and vectors of the library: double precision, row-major. The file values.hpp lists the units.
 //
 // No compiled function of the library has an Eigen array that owns its memory as argument, result or variable.
-// Compiler flags such as -mavx and -fsanitize=address change how Eigen allocates and aligns memory.
-// The linker keeps one version of each Eigen function, although program and library may have been compiled differently.
-// The function that frees an Eigen array could then be incompatible with the function that allocated the array.
+// Flags such as -mavx change how Eigen allocates memory, and the linker keeps one version of each Eigen function.
+// The function that frees an array could then be incompatible with the function that allocated it.
 #pragma once
 
 #include "stiction/values.hpp"

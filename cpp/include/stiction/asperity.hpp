@@ -29,17 +29,16 @@ struct Asperity {
 /// For the upper surface, the normal and the radius have the opposite sign.
 Asperity asperity(double slope, double curvature, Side side);
 
-/// Osculating spheres at all points of a profile, and slope and curvature of the profile's spline at these points.
+/// Osculating spheres, and slopes and curvatures of the profile's spline, at all points of a profile.
 struct Asperities {
   std::vector<double> slope;      ///< slopes f' [-]
   std::vector<double> curvature;  ///< curvatures f'' [1/µm]
-  std::vector<Vector3> normal;    ///< unit normals that point out of the solid
-  std::vector<double> radius;     ///< radii R of the osculating spheres [µm]
+  std::vector<Vector3> normal;
+  std::vector<double> radius;  ///< radii R [µm]
   /// Sphere centres [µm], in the coordinates in which point j of the profile is at (j Δx, 0, z_j).
   std::vector<Vector3> centre;
 };
 
-/// Compute the osculating spheres at all points of a profile from its heights [µm] and its grid spacing [µm] > 0.
 Asperities asperities(Values heights, double spacing, Side side);
 
 }  // namespace stiction

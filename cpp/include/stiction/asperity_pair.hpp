@@ -3,7 +3,6 @@
 //
 // Every type of asperity pair has the members `contact_at(approach)` and `is_separated(approach)`.
 // Positions are relative to the point of the lower surface at which the two asperities face each other.
-// A slope or curvature per grid step [µm] counts as zero up to this fraction of the range of the gap.
 // `gap` [µm] is the vertical distance between the facing points of two asperities at first contact of the surfaces.
 #pragma once
 
@@ -22,12 +21,10 @@ struct Radii {
   double major;  ///< the larger radius
   double minor;
 
-  /// Return the geometric mean of both radii: the radius of a sphere with the same Gaussian curvature.
-  /// For equal radii, the mean is the radius itself, without the round-off of a square root.
+  /// Return the geometric mean of both radii, without the round-off of a square root if the radii are equal.
   double mean() const { return major == minor ? major : std::sqrt(major) * std::sqrt(minor); }
 };
 
-/// Geometry of an asperity contact at a given approach.
 struct ContactPoint {
   Vector3 normal;  ///< unit vector from the lower to the upper surface
   Vector3 centre;  ///< position of the contact centre [µm]
@@ -40,11 +37,9 @@ struct ContactPoint {
 enum class Curvature { convex, signed_ };
 
 /// Asperity pair of two spheres, at most one of which is concave (Eq. 4).
-/// At the approach δ, the vertical penetration is p = δ - gap.
-/// At the penetration p, the vector between the sphere centres is X = -p e_z + R_l n_l - R_u n_u.
-/// The overlap of the spheres is R_u + R_l minus the signed length of X.
-/// On nearly flat surfaces, R_u + R_l - |X| is a difference of two large numbers that loses all correct digits.
-/// To avoid cancellation, the overlap is evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|).
+/// At the penetration p = approach - gap, the vector between the sphere centres is X = -p e_z + R_l n_l - R_u n_u.
+/// The overlap is R_u + R_l minus the signed length of X, evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|).
+/// On nearly flat surfaces, the difference of the large numbers R_u + R_l and |X| would lose all correct digits.
 /// The contact centre is computed from the smaller sphere, because the larger radius would cause cancellation.
 struct SpherePair {
   Vector3 separation;      ///< vector X at penetration p = 0 [µm]
@@ -55,11 +50,10 @@ struct SpherePair {
   double radius;           ///< effective radius [µm]
   Vector3 smaller_centre;  ///< centre of the smaller sphere, relative to its surface point [µm]
   double smaller_radius;
-  bool smaller_is_lower;  ///< true if the smaller sphere belongs to the lower surface
+  bool smaller_is_lower;
 
-  /// Compute the contact point at a given approach [µm].
   ContactPoint contact_at(double approach) const;
-  /// Return whether the overlap is zero or negative. `is_separated` needs no division and no square root.
+  /// Return whether the overlap is zero or negative, without a division or a square root.
   bool is_separated(double approach) const;
   /// Return the numerator of the overlap, (R_u + R_l)² - X² [µm²], with the sign of R_u R_l.
   double overlap_numerator(double penetration) const {
@@ -67,20 +61,18 @@ struct SpherePair {
   }
 };
 
-/// Pair of a sphere and a flat. The flat is the limit of a sphere of infinite radius.
-/// The contact normal of a sphere on a flat is the normal of the flat.
+/// Pair of a sphere and a flat, which is the limit of a sphere of infinite radius.
 struct SphereOnFlat {
-  Vector3 normal;        ///< normal of the flat, pointing upwards
-  Vector3 centre;        ///< centre of the sphere, relative to its surface point [µm]
-  bool sphere_is_lower;  ///< true if the sphere is below the flat
-  double gap;            ///< gap at first contact of the surfaces [µm]
-  double radius;         ///< radius of the sphere [µm]
+  Vector3 normal;  ///< normal of the flat, pointing upwards
+  Vector3 centre;  ///< centre of the sphere, relative to its surface point [µm]
+  bool sphere_is_lower;
+  double gap;     ///< gap at first contact of the surfaces [µm]
+  double radius;  ///< radius of the sphere [µm]
 
   ContactPoint contact_at(double approach) const;
   bool is_separated(double approach) const { return !(contact_at(approach).overlap > 0.0); }
 };
 
-/// Any type of asperity pair.
 using AsperityPair = std::variant<SpherePair, SphereOnFlat>;
 
 /// Return the asperity pair of two spheres, or std::nullopt if spheres of the given curvatures cannot form a contact.
@@ -90,14 +82,11 @@ std::optional<SpherePair> sphere_pair(const Asperity& upper, const Asperity& low
 /// Return the asperity pair of a sphere and a flat, or std::nullopt if the sphere's radius is not positive and finite.
 std::optional<SphereOnFlat> sphere_on_flat(const Asperity& sphere, Side sphere_side, const Asperity& flat, double gap);
 
-/// Return the principal radii of the relative curvature of an asperity pair.
 Radii radii(const AsperityPair& asperity_pair);
 
-/// Class of a contact point.
-/// `crossed` means that the normal points downwards, because the sphere centres have passed each other.
+/// `crossed`: the normal points downwards, because the sphere centres have passed each other.
 enum class ContactClass { no_contact, crossed, contact };
 
-/// Classify a contact point by its overlap, its normal and the position of the contact centre.
 /// In a contact, the asperities overlap, and the contact centre lies in [-half_cell, half_cell) along x (Eq. 5).
 /// With an infinite `half_cell`, the contact centre may lie anywhere.
 inline ContactClass classify(const ContactPoint& contact_point, double half_cell) {
@@ -125,8 +114,6 @@ inline bool SpherePair::is_separated(double approach) const { return !(overlap_n
 
 inline ContactPoint SphereOnFlat::contact_at(double approach) const {
   const double penetration = approach - gap;
-  // Along the normal n of the flat, the overlap is radius ± centre · n + penetration · n_z.
-  // The sign is + if the sphere is the lower body.
   const double overlap = radius + (sphere_is_lower ? 1.0 : -1.0) * centre.dot(normal) + penetration * normal.z();
   const double depth = radius - 0.5 * overlap;
   if (sphere_is_lower) {

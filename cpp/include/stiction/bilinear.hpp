@@ -7,11 +7,9 @@
 
 namespace stiction {
 
-/// Interpolate a table at pairs of fractional row and column indices, linearly along rows and along columns.
-/// Writes one value for each pair. An index outside the table is replaced by the nearest index of the table.
-/// The value is NaN if an index is NaN.
-/// Throws std::invalid_argument if the table has fewer than two rows or columns.
-/// Also throws std::invalid_argument if `rows`, `columns` and `values` differ in length.
+/// Interpolate a table at pairs of fractional row and column indices, and write one value for each pair.
+/// An index outside the table is replaced by the nearest index of the table. The value is NaN if an index is NaN.
+/// Throws std::invalid_argument if the table has fewer than two rows or columns, or if arrays differ in length.
 void interpolate_table(const MatrixView& table, Values rows, Values columns, std::span<double> values);
 
 }  // namespace stiction

@@ -5,7 +5,6 @@
 
 namespace stiction {
 
-/// Information about the compiled library.
 struct Build {
   std::string compiler;  ///< name and version of the compiler
   /// Instruction set of the hot loops, selected by the loader: "AVX-512", "AVX2, FMA", "SSE2" or "NEON".

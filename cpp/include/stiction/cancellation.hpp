@@ -8,7 +8,6 @@ namespace stiction {
 
 /// Callback that cancels a calculation by throwing an exception, which the caller of the calculation receives.
 /// The library calls the callback at least every few milliseconds.
-/// A default-constructed CancellationCheck never cancels a calculation.
 class CancellationCheck {
  public:
   CancellationCheck() = default;

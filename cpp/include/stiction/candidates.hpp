@@ -1,9 +1,8 @@
 // Contact candidates of two profiles: the points where the profiles may touch, for any contact law.
 //
-// Both profiles have the same grid. The approach is the displacement of the upper surface towards the lower surface.
-// The approach is zero when the first grid points come into contact.
-// A profile whose points lie on a straight line to within round-off counts as a flat of infinite radius.
-// The normal of a flat profile is the normal of the straight line through its points.
+// Both profiles have the same grid.
+// The approach is the displacement of the upper surface towards the lower surface since first grid contact.
+// A profile that is straight to within round-off counts as a flat with the normal of the straight line.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -17,7 +16,6 @@
 
 namespace stiction {
 
-/// Method of contact detection.
 /// With `cell`, a grid point is in contact if the contact centre lies within half a spacing of the point (Eq. 5).
 /// With `gap_minimum`, each local minimum of the spline of the gap is one candidate, the same at all approaches.
 /// The result of `gap_minimum` does not depend on the grid if the grid resolves the surfaces.
@@ -35,32 +33,29 @@ struct ProfilePair {
   double spacing;
 };
 
-/// Two asperities that face each other.
-/// The two asperities touch if the approach is at least `gap` and `classify` returns `ContactClass::contact`.
+/// Two asperities that touch if the approach is at least `gap` and `classify` returns `ContactClass::contact`.
 struct Candidate {
   /// Index of the grid point at the candidate or, with `gap_minimum`, to the left of the minimum of the gap.
   Index index;
   /// Position of the candidate on the lower surface [µm], in the frame of the lower profile.
   Vector3 position;
-  /// Gap [µm] at the candidate, at zero approach.
-  /// The gap at a minimum between grid points is negative if it is below the gap at all grid points.
+  /// Gap [µm] at zero approach; negative at a minimum between grid points that is below the gap at all grid points.
   double gap;
-  Radii radii;                 ///< principal radii of the relative curvature
+  Radii radii;
   AsperityPair asperity_pair;  ///< asperity pair, whose contact points are relative to `position`
 };
 
 /// Call `visit(candidate)` for every candidate whose gap is at most `deepest` [µm] >= 0, from left to right.
 /// With Detection::cell, candidates that touch within their cells at no approach up to `deepest` may be left out.
-/// Both profiles must have the same number of heights, at least 4. Heights must be finite, and the spacing positive.
-/// Throws std::invalid_argument if the profiles do not meet these requirements.
+/// Throws std::invalid_argument unless both profiles have equally many heights (>= 4), all finite, and a positive
+/// spacing.
 void for_each_candidate(const ProfilePair& pair, double deepest, Detection detection, Curvature curvature,
                         const std::function<void(const Candidate&)>& visit,
                         const CancellationCheck& check_cancellation = {});
 
-/// Compute the smallest gap in each block of points. Throws std::invalid_argument if the profiles differ in length.
 Prefilter run_prefilter(const ProfilePair& pair);
 
-/// Call `visit(candidate)` for every candidate. `prefilter` is the result of `run_prefilter` for the same profiles.
+/// `prefilter` is the result of `run_prefilter` for the same profiles.
 void for_each_candidate(const ProfilePair& pair, const Prefilter& prefilter, double deepest, Detection detection,
                         Curvature curvature, const std::function<void(const Candidate&)>& visit,
                         const CancellationCheck& check_cancellation = {});
@@ -69,10 +64,10 @@ void for_each_candidate(const ProfilePair& pair, const Prefilter& prefilter, dou
 struct Candidates {
   std::vector<Candidate> all;
   double deepest;  ///< largest approach [µm] at which all contacts are candidates
-  double spacing;  ///< spacing of the grid [µm]
+  double spacing;
 };
 
-/// Find the candidates of two profiles by the method `gap_minimum`. The candidates do not depend on the approach.
+/// Find the candidates of two profiles by the method `gap_minimum`.
 Candidates candidates(const ProfilePair& pair, double deepest, Curvature curvature,
                       const CancellationCheck& check_cancellation = {});
 

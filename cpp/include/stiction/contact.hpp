@@ -1,6 +1,4 @@
 // Contact of two rough profiles: Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 4 to 7.
-// The contacts at an approach are the contact candidates that touch at this approach.
-// The contact law gives the force and the area of each contact.
 #pragma once
 
 #include "stiction/array.hpp"
@@ -14,7 +12,6 @@
 
 namespace stiction {
 
-/// Contact law, detection method and sliding rule for a pair of surfaces.
 struct ContactModel {
   Law law;
   Detection detection = Detection::cell;
@@ -35,19 +32,17 @@ struct Contact {
   double overlap;   ///< overlap of the asperities along the normal [µm]
   double force;     ///< normal force [mN]
   double area;      ///< contact area [µm²]
-  bool opposing;    ///< true if the normal force opposes the motion
+  bool opposing;
 };
 
 /// List the contacts at one approach [µm] >= 0, in the order of the grid.
-/// Throws std::invalid_argument for invalid arguments (see `for_each_candidate` and `check`).
-/// Also throws std::invalid_argument if the approach exceeds the member `deepest` of the candidates.
+/// Throws std::invalid_argument for invalid arguments, and if the approach exceeds `deepest` of the candidates.
 std::vector<Contact> contacts(const ProfilePair& pair, double approach, const ContactModel& model,
                               const CancellationCheck& check_cancellation = {});
 std::vector<Contact> contacts(const Candidates& candidates, double approach, const ContactModel& model,
                               const CancellationCheck& check_cancellation = {});
 
-/// Compute the contact sums at several approaches [µm].
-/// Approaches must be at least 0 and strictly increasing. Throws the same exceptions as `contacts`.
+/// Compute the contact sums at approaches [µm] >= 0, which must be strictly increasing.
 /// The overload for candidates ignores the detection method and the curvature rule of the model.
 std::vector<Sums> press(const ProfilePair& pair, Values approaches, const ContactModel& model,
                         const CancellationCheck& check_cancellation = {});

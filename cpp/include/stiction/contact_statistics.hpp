@@ -11,7 +11,6 @@
 
 namespace stiction {
 
-/// Contacts between two bodies at one load, with the distribution of the contact pressure.
 struct ContactTable {
   Values force;                   ///< normal force on each contact [mN]
   Values area;                    ///< projected area of each contact [µm²]
@@ -30,22 +29,18 @@ struct ContactStatistics {
   std::vector<double> pressure_quantiles;  ///< quantiles of the weighted contact pressure [GPa]
 };
 
-/// Compute the statistics of the contacts in `table`.
 /// `probabilities` are the probabilities of the quantiles. Small contacts cover at most `max_small_cells` grid cells.
-/// Area quantiles are linearly interpolated between the sorted areas.
 /// Pressure quantiles are interpolated on the cumulative weight of the sorted pressures.
 /// The cumulative weight of a pressure includes the weights of all smaller pressures and half of its own weight.
 /// Throws std::invalid_argument if arrays of `table` differ in length, or if `table` has no contacts or no pressures.
 /// Also throws std::invalid_argument if `probabilities` are not in increasing order.
 ContactStatistics contact_statistics(const ContactTable& table, Values probabilities, double max_small_cells);
 
-/// Compute the statistics of the patches of a half-space contact on a grid.
 /// Throws std::invalid_argument in the same cases as `contact_statistics`, and if a point is not on the grid.
 ContactStatistics patch_statistics(const ContactView& contact, const Grid& grid, Values probabilities,
                                    double max_small_cells);
 
-/// Return the fraction of the load of a half-space contact that acts on the marked grid points.
-/// Throws std::invalid_argument if a point is not on the grid.
+/// Return the load fraction on marked grid points. Throws std::invalid_argument if a point is not on the grid.
 double load_fraction_on_marked_points(const ContactView& contact, std::span<const bool> marks);
 
 }  // namespace stiction

@@ -24,11 +24,10 @@ class DenseKernel {
   template <class Real>
   std::vector<Real> matrix() const;
 
-  /// Compute the displacements [µm] of the selected points in double precision.
   /// Both arrays have one value for each grid point. Values at grid points outside `points` are not read or changed.
   void displacement(Values pressure, std::span<double> displacements) const;
 
-  /// Compute the displacements of the points in single precision. The first call computes and stores the matrix.
+  /// The first call of the single-precision version computes and stores the matrix.
   void displacement(std::span<const float> pressure, std::span<float> displacements);
 
  private:

@@ -13,20 +13,18 @@
 
 namespace stiction {
 
-/// Smallest gap of two profiles on the whole grid and in each block of points, computed in one pass.
-/// A block of points whose smallest gap exceeds the approach cannot come into contact.
+/// Smallest gap on the grid and in blocks of points. A block whose smallest gap exceeds the approach has no contact.
 struct Prefilter {
   static constexpr std::size_t block = 64;
 
-  /// Smallest difference of heights, upper minus lower, on the grid [µm].
   double min_gap = std::numeric_limits<double>::infinity();
-  std::vector<double> block_min_gap;  ///< smallest difference of heights in each `block` of points [µm]
-  bool upper_finite = true;           ///< true if no height of the upper profile is NaN or infinite
+  std::vector<double> block_min_gap;  ///< smallest upper minus lower height [µm] in each `block` of points
+  bool upper_finite = true;
   bool lower_finite = true;
   double upper_max_abs = 0.0;  ///< largest |height| of the profile [µm]
   double lower_max_abs = 0.0;
 
-  /// Add the next chunk of heights [µm] of both profiles. Every chunk except the last must consist of whole blocks.
+  /// Add the next chunk of heights [µm]. Every chunk except the last must consist of whole blocks.
   void add(Values upper, Values lower);
 };
 
@@ -42,12 +40,11 @@ struct IndexRange {
 std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap);
 
 /// Return an upper bound [µm] on the distance by which the spline of the gap dips below the smallest gap on the grid.
-/// The bound is 3/8 of the largest second difference D of the gap between successive points.
-/// The factor 3/8 follows from two limits: |f''| <= 3 D/Δx² for a natural spline, and a dip of at most Δx²/8 max |f''|.
+/// The bound is 3/8 of the largest second difference D of the gap between successive points:
+/// |f''| <= 3 D/Δx² for a natural spline, and a dip is at most Δx²/8 max |f''|.
 double max_dip(Values upper, Values lower);
 
-/// Return whether the points of a profile lie on a straight line to within round-off.
-/// `max_abs` is the largest |height| of the profile [µm].
+/// Return whether a profile is straight to within round-off of its largest |height| `max_abs` [µm].
 bool is_straight(Values heights, double max_abs);
 
 /// Slopes [-] and curvatures [1/µm] of both profiles at consecutive points of the grid.
@@ -58,23 +55,19 @@ struct Derivatives {
   const double* lower_curvature;
 };
 
-/// Mark the points at which contact is possible for at least one approach up to `max_approach` [µm].
+/// Mark all points at which contact is possible for some approach up to `max_approach` [µm], and possibly more points.
 /// Contact is possible where both profiles are convex and the contact centre passes through the cell of the point.
-/// The function may also mark points at which contact is impossible.
 /// The contact centre moves in one direction during the approach, so only both ends of the path are tested.
 /// `zero` [µm] is the smallest height difference (upper - lower) on the grid, at which the approach is zero.
 void mark_cells(Derivatives derivatives, const double* upper, const double* lower, std::size_t size, double zero,
                 double max_approach, double half_cell, unsigned char* marks);
 
-/// Mark intervals [x_i, x_(i+1)) in which the spline of the gap may have a minimum.
-/// The signs of slope and curvature at both ends of an interval show whether a minimum is possible.
+/// Mark intervals [x_i, x_(i+1)) in which the signs of slope and curvature at both ends allow a minimum of the gap.
 /// `size` intervals have size + 1 ends, so `derivatives` must contain size + 1 elements.
 void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks);
 
 /// Return the position of the local minimum of the spline of the gap in an interval [0, spacing) [µm], if there is one.
 /// The inputs are the slopes [-] and curvatures [1/µm] of the gap at both ends of the interval.
-/// Within the interval, the slope of the gap is a quadratic function of the position.
-/// The minimum is the root of the slope at which the gap is convex.
 /// A minimum at a grid point belongs to the interval on its right. The first point of a profile is never a minimum.
 std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
                                   double spacing, bool at_first_point = false);

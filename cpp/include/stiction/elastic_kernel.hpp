@@ -12,8 +12,7 @@
 
 namespace stiction {
 
-/// Grid on the surface of a half-space: an area or a line.
-/// A line is a single row of cells that are 1 µm wide.
+/// Grid on the surface of a half-space: an area, or a line, which is a single row of cells that are 1 µm wide.
 struct Grid {
   std::size_t rows = 1;
   std::size_t columns = 1;
@@ -50,8 +49,8 @@ class Workspace {
 /// On a free grid, the displacements of uniformly loaded cells are superposed on a grid of twice the size.
 /// Sources: Love 1929; Johnson, Contact Mechanics (1985), eq. 3.25.
 /// On profiles (plane strain), the displacement depends on the logarithm of the distance from the load.
-/// The approximate inverse E*|k|/2 of the kernel is periodic even on a free grid, so it needs no zero padding.
-/// A preconditioner may be periodic, because it affects the number of iterations but not the solution.
+/// The approximate inverse E*|k|/2 may be periodic even on a free grid, because a preconditioner does not change the
+/// result.
 class ElasticKernel {
  public:
   /// Compute the influence coefficients [µm/GPa]: displacements of all cells due to a pressure on one cell.
@@ -63,9 +62,9 @@ class ElasticKernel {
 
   const Grid& grid() const { return grid_; }
 
-  /// Compute displacements in double precision. Errors are of the order of the round-off of the largest displacement.
+  /// Compute displacements in double precision, to within the round-off of the largest displacement.
   /// `pressure` and `displacements` may be the same array.
-  /// If `rows` is not empty, only the displacements in these rows of an area are computed and written.
+  /// Unless `rows` is empty, only the displacements in these rows of an areal grid are computed and written.
   void displacement(Values pressure, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool(), std::span<const std::size_t> rows = {}) const;
 
@@ -78,14 +77,12 @@ class ElasticKernel {
                        const ThreadPool& pool = ThreadPool()) const;
 
   /// Multiply each Fourier component of `loads` by 1/(E*|k|/2 + foundation).
-  /// The result is the displacement of an elastic half-space on a uniform elastic foundation.
-  /// `foundation` [GPa/µm] > 0 is the stiffness of the foundation.
+  /// `foundation` [GPa/µm] > 0 is the stiffness of a uniform elastic foundation.
   void apply_foundation_compliance(std::span<const float> loads, double foundation, std::span<float> result,
                                    Workspace& workspace, const ThreadPool& pool = ThreadPool()) const;
 
-  /// Return the stiffness operator E*|k|/2 of a two-dimensional grid, truncated to a stencil of 3 x 3 points.
-  /// The nine weights of the stencil are stored row by row.
-  /// The weight of the central point is chosen so that the sum of all nine weights is a small positive number.
+  /// Return the nine weights, row by row, of E*|k|/2 truncated to 3 x 3 points of an area.
+  /// The weight of the central point makes the sum of all weights a small positive number.
   const std::array<double, 9>& stencil() const { return stencil_; }
 
  private:
@@ -97,14 +94,11 @@ class ElasticKernel {
 
 /// Pressures [GPa] that displace the surface of a half-space by given amounts [µm]: the inverse of ElasticKernel.
 ///
-/// The inverse requires a surface without edges, so a free grid is extended by zero padding.
-/// The extended grid is periodic. The original grid consists of the first rows and columns of the extended grid.
+/// A free grid is extended by zero padding to a periodic grid, whose first rows and columns are the original grid.
 /// Without net pressure outside the original grid, its displacements are those of ElasticKernel plus a constant.
-/// A periodic grid has no edges and needs no zero padding.
-/// On a periodic grid, a uniform displacement requires no pressure.
+/// A periodic grid is not extended, and a uniform displacement of it requires no pressure.
 class StiffnessKernel {
  public:
-  /// Compute the Fourier coefficients of compliance and stiffness.
   /// Throws std::invalid_argument in the same cases as ElasticKernel.
   StiffnessKernel(const Grid& grid, double effective_modulus, const ThreadPool& pool = ThreadPool());
   ~StiffnessKernel();
@@ -119,7 +113,6 @@ class StiffnessKernel {
   void pressure(Values displacements, std::span<double> pressures, Workspace& workspace,
                 const ThreadPool& pool = ThreadPool()) const;
 
-  /// Compute pressures in single precision, which is accurate enough for the small steps of a solver.
   void pressure(std::span<const float> displacements, std::span<float> pressures, Workspace& workspace,
                 const ThreadPool& pool = ThreadPool()) const;
 
@@ -127,8 +120,7 @@ class StiffnessKernel {
   void displacement(Values pressures, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 
-  /// Compute displacements in single precision, in order to precondition a solver.
-  /// For a uniform pressure, the compliance is set to the largest compliance that occurs at any wavelength.
+  /// Compute displacements with a finite compliance for uniform pressure: the largest compliance at any wavelength.
   void precondition(std::span<const float> pressures, std::span<float> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 
@@ -137,8 +129,7 @@ class StiffnessKernel {
   std::unique_ptr<const Transforms> transforms_;
 };
 
-/// Return the standard deviation [µm/GPa] of the displacements due to uniform pressure on a free grid.
-/// On a periodic grid, uniform pressure displaces all points equally, and the standard deviation is zero.
+/// Return the standard deviation [µm/GPa] of the displacements due to uniform pressure; 0 on a periodic grid.
 double uniform_pressure_deviation(const Grid& grid, double effective_modulus);
 
 }  // namespace stiction

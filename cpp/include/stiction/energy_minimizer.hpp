@@ -20,7 +20,6 @@ struct AdhesiveInterface {
   double hardness = std::numeric_limits<double>::infinity();  ///< largest contact pressure [GPa] > 0
 };
 
-/// Criteria for ending a minimisation.
 struct MinimizationLimits {
   double max_residual = 0.0;           ///< relative residual below which the state is an equilibrium
   double max_accepted_residual = 0.0;  ///< relative residual that is accepted if round-off prevents further steps
@@ -29,9 +28,9 @@ struct MinimizationLimits {
 
 /// State between two steps of a minimisation, from which the minimisation can be resumed.
 struct MinimizationState {
-  std::vector<double> gap;           ///< gap [µm] of each grid point
+  std::vector<double> gap;           ///< gap [µm] at each grid point
   std::vector<double> net_pressure;  ///< pressure minus attraction [GPa] on the extended grid of StiffnessKernel
-  double approach = 0.0;             ///< approach [µm]
+  double approach = 0.0;             ///< [µm]
   std::vector<float> direction;      ///< last direction of the displacements; empty before the first step
   std::vector<float> residual;       ///< derivative of the energy before the last step, with respect to displacements
   double approach_direction = 0.0;
@@ -56,20 +55,20 @@ struct AdhesiveStresses {
   std::vector<double> attraction;
 };
 
-/// Energy of a contact, minimised by preconditioned conjugate gradients (Polak-Ribière).
+/// Minimiser of the sum of elastic energy, energy of the attraction and work of the load.
+/// The method is preconditioned conjugate gradients (Polak-Ribière).
 ///
 /// The energy depends on the gap and, on free grids, also on the approach and on the displacements around the grid.
 /// On free grids, the net pressure must vanish at all points around the grid.
-/// The energy is the sum of elastic energy, energy of the attraction and work of the load.
 /// Points in contact keep a gap of 0 as long as their pressure is between 0 and the hardness.
 /// The preconditioner replaces the residual pressures by the displacement that they cause.
 /// Each step ends at the first minimum of the energy along the direction of the step.
 /// Only one thread at a time may use an EnergyMinimizer.
 class EnergyMinimizer {
  public:
-  /// Create the minimiser. `gap` [µm] of the undeformed surfaces must outlive the minimiser.
-  /// Throws std::invalid_argument if an array has a wrong size.
-  /// Also throws std::invalid_argument if the range of the attraction or the hardness is not positive.
+  /// `gap` [µm] of the undeformed surfaces must outlive the minimiser.
+  /// Throws std::invalid_argument if the attraction range or the hardness is not positive, or an array has a wrong
+  /// size.
   EnergyMinimizer(Values gap, const Grid& grid, double effective_modulus, const AdhesiveInterface& interface,
                   const ThreadPool& pool = ThreadPool());
 
@@ -77,7 +76,6 @@ class EnergyMinimizer {
   /// `pressure` and `attraction` [GPa] are estimates of the solution, such as the solution at a similar load.
   MinimizationState start(Values pressure, Values attraction, double load, const ThreadPool& pool = ThreadPool());
 
-  /// Perform one step, or return the reason why the minimisation ends.
   MinimizationOutcome step(MinimizationState& state, double load, const MinimizationLimits& limits,
                            const ThreadPool& pool = ThreadPool());
 

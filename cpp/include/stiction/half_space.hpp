@@ -20,35 +20,30 @@ namespace stiction {
 struct SolverMemory;
 
 /// Grid hierarchy and elastic kernels, shared by all contact problems on the same grid.
-/// Each coarser grid has about half as many points along an axis as the next finer grid.
-/// The coarsest grid has about 16 points along an axis.
+/// Each coarser grid has about half as many points along an axis, down to about 16 points.
 /// Several threads may use the same HalfSpaceGrids at the same time.
 class HalfSpaceGrids {
  public:
-  /// Elastic kernels of one grid: one kernel for the points, and one for the blocks of points.
   struct Kernels {
     std::shared_ptr<const ElasticKernel> points;
     std::shared_ptr<const ElasticKernel> blocks;  ///< kernels of the blocks of an area, see Preconditioner
   };
 
-  /// Create the grids. The kernels of a grid are computed on first use.
+  /// The kernels of a grid are computed on first use.
   /// Throws std::invalid_argument in the same cases as ElasticKernel.
   HalfSpaceGrids(const Grid& finest, double effective_modulus);
 
   const std::vector<Grid>& levels() const { return levels_; }
   double effective_modulus() const { return effective_modulus_; }
 
-  /// Return the elastic kernels of a grid level. Kernels are computed on first use.
   Kernels kernels(std::size_t level = 0, const ThreadPool& pool = ThreadPool()) const;
 
-  /// Return the standard deviation [µm/GPa] of the displacements due to uniform pressure on a free grid.
   double uniform_pressure_deviation() const;
 
   /// Return the displacement [µm/GPa] of each grid point due to a pressure on the first grid point.
   /// Returns an empty array if the grid is too large for storing the displacements of all points.
   std::span<const double> influence(const ThreadPool& pool = ThreadPool()) const;
 
-  /// Compute the displacements [µm] due to pressures [GPa] on the finest grid.
   /// `pressure` and `displacements` may be the same array.
   void displacement(Values pressure, std::span<double> displacements, const ThreadPool& pool = ThreadPool()) const;
 
@@ -72,8 +67,7 @@ class HalfSpaceGrids {
   mutable std::vector<std::shared_ptr<SolverMemory>> memories_;
 };
 
-/// Solution of a contact problem: pressures [GPa], approach [µm], relative error and number of iterations.
-/// The class HalfSpaceSolver defines the relative error.
+/// Pressures [GPa], approach [µm] and relative error (see HalfSpaceSolver) of a contact problem.
 struct HalfSpaceSolution {
   std::vector<double> pressure;
   double approach = 0.0;
@@ -89,16 +83,14 @@ struct HalfSpaceSolution {
 /// An exception thrown by the callback ends the calculation.
 using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 
-/// Solver for the contact of surfaces with a given gap, at successive loads.
 /// The solver minimises the energy at a given total load. Each pressure p must satisfy 0 <= p <= bound.
 ///
 /// The method is projected conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206; see ProjectedCgSolver).
 /// On each grid, the iteration starts from the solution on the next coarser grid.
-/// On lines, the preconditioner is the operator E*|k|/2. On areas, it is the class Preconditioner.
 /// The relative error is the largest gap under pressure or, if larger, the largest overlap, divided by `scale`.
 class HalfSpaceSolver {
  public:
-  /// Create the solver. `gap` [µm] must outlive the solver.
+  /// `gap` [µm] must outlive the solver.
   /// If the gap is 0 everywhere, the solver finds shear tractions up to given bounds instead of contact pressures.
   /// `bound` [GPa] contains one pressure bound for all points, which may be infinite, or one bound for each point.
   /// Points with a pressure bound of 0 carry no pressure and may overlap.
@@ -119,8 +111,7 @@ class HalfSpaceSolver {
   HalfSpaceSolution at(double mean_pressure, Values near = {}, const ThreadPool& pool = ThreadPool(),
                        const HalfSpaceProgress& progress = {}) const;
 
-  /// Solve the contact problem for a given approach [µm].
-  /// The load is found by iteration, so the problem is solved for about six trial loads.
+  /// Solve the contact problem for a given approach [µm] by iterating over about six loads.
   HalfSpaceSolution at_approach(double approach, Values near = {}, const ThreadPool& pool = ThreadPool(),
                                 const HalfSpaceProgress& progress = {}) const;
 

@@ -11,15 +11,13 @@
 
 namespace stiction {
 
-/// Half-space contact at one load.
 struct HalfSpaceContact {
   Patches patches;
-  double approach = 0.0;        ///< approach [µm]
-  double error = 0.0;           ///< relative error
+  double approach = 0.0;  ///< [µm]
+  double error = 0.0;
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
 };
 
-/// Quantity that the elements of `steps` contain, and that `solve_contacts` prescribes at each step.
 enum class StepQuantity {
   mean_pressure,  ///< mean pressure on the grid [GPa]
   approach        ///< approach [µm]

@@ -14,7 +14,6 @@
 
 namespace stiction {
 
-/// Grid of a profile, and the harmonics whose sum is the profile.
 struct HarmonicGrid {
   double spacing;             ///< Δx [µm] > 0; point j lies at j Δx
   Index points;               ///< number of points, at least 1
@@ -28,7 +27,6 @@ struct HarmonicGrid {
 std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, double gamma, double length_scale);
 
 /// Write the sum Σ_n weights(d, n) G_n(x_j) [µm] to row d and column j of `profiles`.
-/// `profiles` has one row for each row of `weights`, and one column for each grid point.
 /// `phases` [rad] has the shape (directions M, frequencies N). `weights` [µm] has the shape (any number of rows, N).
 /// A phase is stored as a 64-bit fraction of a turn, so that whole turns are removed without round-off.
 /// The only error in the phase of a harmonic is the round-off of (wavenumber · position) in long double.
@@ -45,7 +43,7 @@ inline Matrix harmonic_profiles(MatrixView phases, MatrixView weights, const Har
   return profiles;
 }
 
-/// Grid of a surface, and the harmonics whose sum is the surface. Point (i, j) lies at x = j Δx, y = i Δy.
+/// Grid of a surface, whose point (i, j) lies at x = j Δx, y = i Δy, and the harmonics whose sum is the surface.
 struct HarmonicArea {
   double spacing_y;           ///< Δy [µm] > 0
   double spacing_x;           ///< Δx [µm] > 0
@@ -57,7 +55,6 @@ struct HarmonicArea {
 /// Write a surface, the areal form of the profile of Eq. 1, to `heights` [µm] (rows along y, columns along x).
 /// The phase of a harmonic is (2π γ^(n-1) / L) (x cos(π m/M) + y sin(π m/M)) + φ_mn.
 /// All harmonics of frequency n have the same weight w_n [µm].
-/// Since cos(a + b) = cos a cos b - sin a sin b, each harmonic is the sum of two outer products of vectors.
 /// Accuracy and exceptions are the same as for `harmonic_profiles`.
 void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& area, Eigen::Ref<Matrix> heights,
                       const CancellationCheck& check_cancellation = {});

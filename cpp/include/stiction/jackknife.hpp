@@ -30,7 +30,6 @@ struct CurvePoints {
   Values slope;                  ///< derivative of the mean value with respect to the mean load
 };
 
-/// Number of rows of the table of power sums and minima that `jackknife_sums` writes.
 inline constexpr Index jackknife_sum_rows = 10;
 
 /// Write power sums and minima over the repetitions to `sums`, which has the shape (`jackknife_sum_rows`, points).

@@ -1,6 +1,5 @@
 // Contact laws: normal force and area of one asperity contact.
 //
-// Each law is a struct whose members are its parameters, its name and the list of its parameters.
 // A law computes the force, the area and the semi-axes of a contact patch from the overlap and the principal radii.
 // To make a new law available everywhere, add its struct to the variant `Law`.
 #pragma once
@@ -19,7 +18,6 @@
 
 namespace stiction {
 
-/// Normal force and area of a contact.
 struct ForceArea {
   double force;  ///< normal force [mN]
   double area;   ///< contact area [µm²]
@@ -92,11 +90,10 @@ struct JacksonGreen {
 /// All laws in this file use only the geometric mean of the two principal radii.
 using Law = std::variant<HertzSphere, HertzCylinder, JacksonGreen>;
 
-/// Create a contact law from its name and its named parameters.
 /// Throws std::invalid_argument with the name of an unknown, missing or invalid parameter.
 Law law(std::string_view name, const std::map<std::string, double>& parameters);
 
-/// Check the parameters of a law. Throws std::invalid_argument with the name of a parameter that is out of range.
+/// Throws std::invalid_argument with the name of a parameter that is out of range.
 void check(const Law& law);
 
 // The call operator of HertzSphere is inline, because out-of-line calls for all contacts cost 6 % of the total time.

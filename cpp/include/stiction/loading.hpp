@@ -19,15 +19,13 @@ using BatchFunction = std::function<std::vector<double>(Values)>;
 /// The function must be below the level at the argument `left`, and at or above the level at `right`.
 /// `tolerance` is the relative error of the returned arguments.
 /// If the function jumps over the level, the result is the argument just after the jump.
-/// The search combines inverse quadratic interpolation and bisection.
-/// Source: Chandrupatla, Advances in Engineering Software 28 (1997) 145.
+/// Method: inverse quadratic interpolation and bisection (Chandrupatla, Adv. Eng. Software 28 (1997) 145).
 /// Each call evaluates the function for all levels, which takes hardly longer than an evaluation for one level.
 std::vector<double> find_crossings(const BatchFunction& function, Values levels, Values left, Values right,
                                    double tolerance);
 
 /// Find the approaches [µm] between `left` and `right` at which the normal load reaches `loads` [mN].
 /// The normal load is computed for mu0 [-] and tau0 [GPa]. The approaches have a relative tolerance of 1e-12.
-/// Throws the same exceptions as `press`.
 std::vector<double> approaches_at(const ProfilePair& pair, Values loads, Values left, Values right, double mu0,
                                   double tau0, const ContactModel& model,
                                   const CancellationCheck& check_cancellation = {});

@@ -21,14 +21,12 @@ struct Patches {
   std::int32_t count = 0;  ///< number of patches
 };
 
-/// Find the connected patches formed by the points under pressure.
-/// On maps, a point is connected to its eight neighbours. On profiles, a point is connected to its two neighbours.
+/// Connect points under pressure to their neighbours: eight on maps, two on profiles.
 /// On a periodic grid, points are also connected across the edges.
 /// A side of a cell under pressure is open if the adjacent cell at this side is on the grid and carries no pressure.
 /// Each open side reduces the fraction of the cell in contact: by 0.19 on profiles, by (π - 1 + ln 2)/24 on maps.
 /// Source: Yastrebov, Anciaux & Molinari, Tribology International 114 (2017) 161.
 /// The fraction of a cell in contact is at least pressure/hardness, both in GPa. The hardness may be infinite.
-/// Throws std::invalid_argument if the number of pressures differs from the number of grid points.
 Patches patches_of(Values pressure, const Grid& grid, double hardness);
 
 /// View of a contact, with the arrays of its `Patches`. ContactView does not own the arrays.
@@ -39,8 +37,7 @@ struct ContactView {
   std::span<const std::int32_t> patch;
 };
 
-/// Sums over each patch of several contacts, for example of the same bodies at successive loads.
-/// Patches are stored contact by contact, in one array.
+/// Sums over each patch of several contacts. Patches are stored contact by contact, in one array.
 /// Sums that depend on the direction of motion are matrices of shape (directions, patches).
 struct PatchSums {
   std::vector<double> force;              ///< Σ F n_z [mN]
@@ -54,7 +51,6 @@ struct PatchSums {
   std::vector<std::int64_t> first_patch;  ///< index of the first patch of each contact
 };
 
-/// Compute, for each patch of each contact, the sums over the grid points of the patch.
 /// `slope_y` and `slope_x` are the slopes of the deformed interface on the grid; `slope_y` is empty for profiles.
 /// `cell_area` is the area of a grid cell [µm²]. Directions are horizontal unit vectors (x, y).
 /// Throws std::invalid_argument if arrays that belong together differ in length, or if a contact has no points.

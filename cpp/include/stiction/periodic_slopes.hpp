@@ -5,8 +5,8 @@
 
 namespace stiction {
 
-/// Compute slopes at every point of a periodic map. The slopes are exact for each wave below the Nyquist limit.
-/// If there are several rows, slopes along the columns (y) are computed too. `spacing` is (Δx, Δy) [µm].
+/// Compute slopes along the rows (x) and, if there are several rows, along the columns (y). `spacing` is (Δx, Δy) [µm].
+/// The slopes are exact for each wave below the Nyquist limit.
 /// The slope of a wave at the Nyquist limit, with two points per wavelength, is 0 at all points.
 /// The round-off is about 1e-16 · (largest height)/(spacing). Throws std::invalid_argument if the map is empty.
 void periodic_slopes(const MatrixView& heights, const Vector2& spacing, Eigen::Ref<Matrix> along_x,

@@ -14,16 +14,14 @@
 
 namespace stiction {
 
-/// Approximate inverse of the elastic kernel K.
-/// The preconditioner computes pressures that approximately cause given displacements.
+/// Approximate inverse of the elastic kernel K: pressures that approximately cause given displacements.
 ///
 /// A 3 x 3 stencil S on the free points describes the short-range interaction of neighbouring points.
 /// A kernel K' on blocks of points describes the slowly varying displacement that distant points cause.
 /// Bilinear weights P interpolate between the blocks and the points.
 /// K is approximately S⁻¹ + P'K'P, where P' is the transpose of P.
 /// The inverse of this sum is S - SP'(K'⁻¹ + PSP')⁻¹PS.
-/// The blocks repeat periodically, so K'⁻¹ multiplies a displacement with the wavenumber k by (E*) |k| / 2.
-/// E* is the effective modulus.
+/// The blocks repeat periodically, so K'⁻¹ multiplies a displacement with the wavenumber k by E* |k| / 2.
 /// K'⁻¹ + PSP' describes a half-space on an elastic foundation with the stiffness PSu, where u is 1 at each free point.
 /// A few conjugate-gradient steps solve the linear system of K'⁻¹ + PSP'.
 /// With the preconditioner, the number of solver iterations is almost independent of the grid size.
@@ -32,7 +30,7 @@ class Preconditioner {
   /// Number of points along each side of a block.
   static constexpr std::size_t block_size = 16;
 
-  /// Arrays on the grid. A later preconditioner can reuse the memory of these arrays.
+  /// Memory on the grid that a later preconditioner can reuse.
   struct Arrays {
     std::vector<float> result;
     std::vector<float> remainder;
@@ -41,10 +39,7 @@ class Preconditioner {
   /// Return the grid of blocks: a periodic grid with one point for each block of an area.
   static Grid block_grid(const Grid& area);
 
-  /// Create the preconditioner. `stencil` applies to the points of the area, and `blocks` is the kernel of its blocks.
-  /// The elastic kernel `blocks` must outlive the preconditioner.
   /// Throws std::invalid_argument if the kernel is not on the blocks of the area, or if the stencil is not 3 x 3.
-  /// The preconditioner reuses the memory of `arrays`, whose values are ignored.
   Preconditioner(const Grid& area, Values stencil, const ElasticKernel& blocks, Arrays arrays = {});
 
   /// Compute pressures [GPa] at the free points from displacements [µm] on the grid.
@@ -54,20 +49,17 @@ class Preconditioner {
   std::span<const float> operator()(std::span<const std::int32_t> free_points, std::span<const float> displacements,
                                     Workspace& workspace, const ThreadPool& pool = ThreadPool());
 
-  /// Move the arrays out of the preconditioner, which must not be used afterwards.
+  /// After `take_arrays`, the preconditioner must not be used.
   Arrays take_arrays() { return {std::move(result_), std::move(remainder_)}; }
 
  private:
-  /// Apply the stencil to values on the grid, at each free point. The values continue periodically beyond the edges.
+  /// The values continue periodically beyond the edges.
   void apply_stencil(std::span<const std::int32_t> free_points, std::span<const float> values, const ThreadPool& pool);
   /// Multiply the result of the stencil by the bilinear weights, and sum the products over each block.
   void sum_on_blocks(std::span<const std::int32_t> free_points, std::vector<float>& sums, const ThreadPool& pool);
-  /// Compute the stiffness of the elastic foundation for each block of points.
   void update_foundation(std::span<const std::int32_t> free_points, const ThreadPool& pool);
-  /// Solve the linear system of the blocks for the loads on the blocks.
   void solve_blocks(Workspace& workspace, const ThreadPool& pool);
 
-  // Two blocks along an axis, and the weight of the linear interpolation between both blocks.
   struct Interpolation {
     std::int32_t low;
     std::int32_t high;

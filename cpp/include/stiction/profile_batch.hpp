@@ -23,9 +23,7 @@ struct Amplitudes {
   AmplitudeMeasure measure;
 };
 
-/// Compute the contact sums of each pair of profiles. A pair is one row of `upper` and the same row of `lower`.
-/// The profiles are scaled to each amplitude, and the sums are computed for each model and approach.
-/// The results are ordered by row, amplitude, model and approach. The heights are overwritten.
+/// Compute contact sums for each pair, amplitude, model and approach, in this order. The heights are overwritten.
 /// For the last amplitude, the profiles are scaled in place, which halves the memory traffic.
 /// For all amplitudes except the last, the profiles are scaled into the two rows of `scratch`.
 /// Throws the same exceptions as `press`. Also throws std::invalid_argument if shapes differ or a profile is flat.

@@ -21,24 +21,22 @@ namespace stiction {
 /// `potential` is K p + g0, so the gap at approach δ is potential - δ.
 /// A point is free if its pressure lies strictly between the bounds.
 /// A point at a bound is also free if the gap at the point drives the pressure away from the bound.
-/// One iteration of the solver consists of the following calls:
+/// One iteration consists of the following calls, where `step` is the change of the pressures:
 ///
 /// restart(potential), then  update_free_points()  ->  residual()  ->  step(M residual, K previous step)
 /// ->  advance(K step)
 ///
-/// The preconditioner M acts on the whole grid, so the residual r is extended to points that are not free.
-/// The best extension of r minimises r·Mr. The minimum of r·Mr equals r·K⁻¹r on the free points.
+/// M acts on the whole grid, so the residual r is extended to points that are not free, where r·Mr should be small.
 /// On areas, r is set to 0 at points that are not free, which gives nearly the smallest r·Mr.
-/// On lines with short contacts, r = 0 at these points would give a much larger r·Mr than the best extension.
-/// On lines, r is interpolated linearly between free points. M r is multiplied by the transpose of the interpolation.
-/// The interpolation of r continues across the edges of the grid, because M is periodic.
+/// On lines with short contacts, r is interpolated linearly instead, also across the edges, because M is periodic.
+/// M r is then multiplied by the transpose of the interpolation.
 ///
 /// After each step, all pressures are within their bounds, and the sum of the pressures is `total`.
 /// Only pressures at free points change to restore the total load, so points out of contact keep zero pressure.
 /// The energy never increases. Source of the method: Polonsky & Keer, Wear 231 (1999) 206.
 class ProjectedCgSolver {
  public:
-  /// Arrays on the grid. A later solver can reuse the memory of these arrays.
+  /// Memory on the grid that a later solver can reuse.
   struct Arrays {
     std::vector<double> potential;
     std::vector<float> residual;
@@ -48,28 +46,23 @@ class ProjectedCgSolver {
   /// Start from given pressures >= 0, which are first changed so that they satisfy the bounds and the total load.
   /// `line` is true if the points form a line, so that neighbours in memory are neighbours on the grid.
   /// `bound` contains one pressure bound for all points, which may be infinite, or one bound for each point.
-  /// If each point has its own bound, the memory of `bound` must outlive the solver, which does not copy it.
-  /// Points with a pressure bound of 0 carry no pressure.
+  /// If each point has its own bound, `bound` must outlive the solver.
   /// Throws std::invalid_argument for 2³¹ points or more, and for negative pressure bounds.
   /// Also throws std::invalid_argument if the total load is not positive, or not below the sum of the bounds.
-  /// The solver reuses the memory of `arrays`, whose values are ignored.
   ProjectedCgSolver(std::vector<double> pressure, double total, Values bound, bool line, Arrays arrays = {});
 
   /// Determine the approach and the free points. Returns the largest |potential - approach| [µm] over the free points.
-  /// The gap of a point under pressure is at most the returned length.
-  /// The overlap of a point whose pressure is below its bound is at most the returned length.
+  /// Gaps of points under pressure, and overlaps of points below their pressure bounds, are at most this length.
   /// Returns infinity if potentials are not finite. Throws std::logic_error before the first `restart`.
   double update_free_points(const ThreadPool& pool = ThreadPool());
 
-  /// Return the residual [µm].
-  /// At free points, the residual is the mean potential of all free points minus the potential of the point.
+  /// Return the residual [µm]: the mean potential of all free points minus the potential of a free point.
   /// At points that are not free, the residual is 0 on areas, and linearly interpolated on lines.
   std::span<const float> residual(const ThreadPool& pool = ThreadPool());
 
   /// Return the free points found by the last `update_free_points`, in increasing order.
   std::span<const std::int32_t> free_points() const { return free_points_; }
 
-  /// Return whether the next step is a steepest-descent step.
   /// A steepest-descent step uses the residual instead of the preconditioned residual, and always lowers the energy.
   bool is_steepest_descent() const { return steepest_descent_; }
 
@@ -82,8 +75,7 @@ class ProjectedCgSolver {
   /// `response` must stay valid until the next `update_free_points`. Returns whether any pressure changed.
   bool advance(std::span<const float> response, const ThreadPool& pool = ThreadPool());
 
-  /// Scale the pressures that are below their bounds, so that the sum of all pressures equals the total load.
-  /// The caller must then recompute the potential.
+  /// Scale the pressures below their bounds to the total load. The caller must then recompute the potential.
   void rescale_to_total();
 
   /// Replace the potential by a recomputed potential, and restart with steepest descent.
@@ -97,10 +89,9 @@ class ProjectedCgSolver {
   Values pressure() const { return pressure_; }
   Values potential() const { return potential_; }
   std::vector<double> take_pressure() { return std::move(pressure_); }
-  /// Move the potential out of the solver, so that its memory can be reused.
   /// After `take_potential`, call `restart` with a new potential before the next `update_free_points`.
   std::vector<double> take_potential() { return std::move(potential_); }
-  /// Move the arrays out of the solver, which must not be used afterwards.
+  /// After `take_arrays`, the solver must not be used.
   Arrays take_arrays();
 
  private:
@@ -128,31 +119,30 @@ class ProjectedCgSolver {
   double total_;
   std::array<double, block> uniform_bound_{};  // copies of the bound, if all points have the same bound
   Values bounds_;                              // bound of each point; empty if all points have the same bound
-  // Marks of blocks, or an empty array if all points have the same bound. Potentials are updated only in marked blocks.
-  // A block is marked with 1 if at least one point of the block has a pressure bound above 0.
+  // Mark (1) of each block that contains a pressure bound above 0. Potentials are updated only in marked blocks.
+  // `can_touch_` is empty if all points have the same bound.
   std::vector<std::uint8_t> can_touch_;
   bool line_;
   std::vector<std::int32_t> free_points_;     // points at which residual_ may differ from 0
   std::vector<std::int32_t> stepped_points_;  // points at which step_ may differ from 0
-  std::vector<float> residual_;               // residual on the grid
-  std::vector<float> step_;                   // direction of the step on the grid
-  std::vector<double> preconditioned_;        // preconditioned residual at free points
-  std::vector<double> target_;                // pressure at free points after a full step
-  std::vector<double> free_bounds_;           // bound at free points
-  // Response of the last step: the kernel K times the step.
-  // The potential does not yet include the last response, multiplied by `pending_fraction_`.
+  std::vector<float> residual_;
+  std::vector<float> step_;
+  std::vector<double> preconditioned_;  // preconditioned residual at free points
+  std::vector<double> target_;          // pressure at free points after a full step
+  std::vector<double> free_bounds_;     // bound at free points
+  // K times the last step. The potential does not yet include `pending_fraction_` times this response.
   std::span<const float> pending_response_;
   double pending_fraction_ = 0.0;
-  std::vector<std::vector<std::int32_t>> task_free_points_;  // free points found by each task
+  std::vector<std::vector<std::int32_t>> task_free_points_;
   double approach_ = 0.0;
-  double mean_potential_ = 0.0;  // mean potential of free points
-  double step_length_ = 1.0;     // length of the next preconditioned step
-  double descent_length_ = 1.0;  // length of the next steepest-descent step
+  double mean_potential_ = 0.0;
+  double step_length_ = 1.0;
+  double descent_length_ = 1.0;
   // Length of the last steepest-descent step before the last preconditioned step.
   double previous_descent_length_ = 1.0;
-  int failed_steps_ = 0;        // number of failed preconditioned steps since the last successful step
-  int descent_steps_left_ = 0;  // number of remaining steepest-descent steps
-  double curvature_ = 0.0;      // scalar product of the step and K step
+  int failed_steps_ = 0;  // number of failed preconditioned steps since the last successful step
+  int descent_steps_left_ = 0;
+  double curvature_ = 0.0;  // scalar product of the step and K step
   bool conjugate_ = false;
   bool steepest_descent_ = false;
   bool clipped_ = false;

@@ -18,7 +18,6 @@
 
 namespace stiction {
 
-/// Rule that selects the contacts at which friction acts.
 /// `opposing` selects only contacts whose slope opposes the motion (as in the paper). `all` selects every contact.
 /// With `all`, friction also acts at contacts whose slope assists the motion and pushes the upper surface forward.
 enum class Sliding { opposing, all };
@@ -26,7 +25,6 @@ enum class Sliding { opposing, all };
 /// Return the sliding rule named "opposing" or "all". Throws std::invalid_argument for any other name.
 Sliding sliding(std::string_view name);
 
-/// Sums over the contacts at one approach.
 /// Both loads (normal and tangential) are computed as elastic + mu0 · frictional + tau0 · adhesive.
 struct Sums {
   Index contact_count = 0;
@@ -45,7 +43,6 @@ struct Sums {
   double load_below_grid = 0.0;    ///< Σ F n_z of contacts with R < Δx         [mN]
   Index crossed_count = 0;         ///< number of pairs rejected because their sphere centres have crossed
 
-  /// Add the contributions of a contact with the given geometry, force and area.
   /// The upper surface moves along `direction`, and `spacing` is the grid spacing Δx [µm].
   void add(const ContactPoint& contact_point, const Radii& radii, const ForceArea& force_area, const Vector2& direction,
            Sliding sliding, double spacing);
@@ -54,7 +51,6 @@ struct Sums {
   double add(const Vector3& normal, double overlap, double radius, const ForceArea& force_area, double spacing);
 };
 
-/// Name, unit and description of a member of `Sums`.
 struct Quantity {
   std::string_view name;
   std::string_view unit;
@@ -88,7 +84,6 @@ Vector3 tangent(const Vector3& normal, const Vector2& direction);
 inline bool opposes(const Vector3& normal, const Vector2& direction) { return normal.head<2>().dot(direction) < 0.0; }
 
 /// Factors that convert the normal force and the friction force of a sliding contact to normal and tangential loads.
-/// The factor of the normal force is -s·n. The factors of the friction force are t_z and -s·t.
 struct SlidingFactors {
   double push;  ///< -s·n
   double lift;  ///< t_z
@@ -119,7 +114,6 @@ inline Vector3 tangent(const Vector3& normal, const Vector2& direction) {
     // If the contact normal lies in the plane of s and z, as on profiles, the tangent already has unit length.
     return {-normal.z() * direction.x(), -normal.z() * direction.y(), along};
   }
-  // The tangent is computed from its components along the motion s, across s and upwards.
   // At a steep wall, the vector form (s·n) n - s would be the difference of two nearly equal vectors.
   const double length = std::sqrt(normal.z() * normal.z() + across * across);
   const double lateral = along * (across / length);
