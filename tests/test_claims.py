@@ -95,7 +95,6 @@ def test_generated_surfaces_of_every_fractal_dimension_reach_the_loads_of_the_cl
         < resampled_means.heavy_load
     )
     assert resampled_means.heavy_load < float(mean_loads.max("approach").min())
-    # The middle load is the geometric mean of the lowest and the highest load.
     assert resampled_means.middle_load**2 == pytest.approx(
         (resampled_means.light_load * resampled_means.heavy_load), rel=1e-9
     )
@@ -299,20 +298,17 @@ def test_verdict_is_undefined_if_the_range_of_a_claim_has_only_one_fractal_dimen
     verdicts_by_name = {outcome.part.name: outcome.verdict for outcome in judge_claims(result)}
     undefined_parts = {name for name, verdict in verdicts_by_name.items() if verdict == "undefined"}
     assert undefined_parts == {"2b", "3b", "4b", "5", "7c"}
-    # Friction that decreases up to the last D has no minimum.
     result = create_result(**adhesive_sum_functions(lambda d, a, f: 3 - d)).sel(fractal_dimension=slice(1.0, 1.501))
     assert judge_part("4c", result).verdict == "undefined"
 
 
 def test_verdict_by_confidence_bands_is_undefined_if_friction_is_finite_at_few_fractal_dimensions():
-    # Only one fractal dimension above 1.6 has friction; pairs of all others are self-locked.
     assert judge_part("3b", create_result(), interval_method="bands").verdict == "undefined"
     with pytest.raises(ValueError, match="interval_method"):
         judge_claims(create_result(), interval_method="means")
 
 
 def test_verdict_is_undefined_if_friction_is_undefined_at_most_fractal_dimensions_of_a_claim():
-    # Friction is self-locked where the normal load is negative, which is at all D above 1.45.
     sum_functions = {"normal_frictional": lambda d, a, f: np.where(d > 1.45, -5.0, 0.0) * f}
     outcomes_by_name = {outcome.part.name: outcome for outcome in judge_claims(create_result(**sum_functions))}
     assert outcomes_by_name["5"].verdict == "undefined"
@@ -349,7 +345,6 @@ def test_tables_of_claims_are_written_from_stored_results(tmp_path):
     claims.write_tables(tmp_path, tmp_path, changes=small_study_changes | {"ensemble.repetitions": 20})
     text = (tmp_path / "claims.md").read_text(encoding="utf-8")
     assert text.count("| **") == 2 * len(CLAIMS)
-    # All results are stored, so the tables are written from them, and nothing is computed.
     claims.write_tables(tmp_path, tmp_path)
     assert (tmp_path / "claims.md").read_text(encoding="utf-8") == text
     assert "| amplitude 0.05 µm |" in (tmp_path / "variants.md").read_text(encoding="utf-8").splitlines()[0]

@@ -74,7 +74,6 @@ def test_estimate_extended_to_another_estimate_includes_both_intervals_if_both_e
 
 
 def test_extending_an_estimate_without_interval_adds_no_interval():
-    # An interval that belongs to another estimate may not contain this value.
     assert not Estimate(0.2).extended_to(Estimate(0.3, 0.25, 0.4)).has_interval
 
 

@@ -402,7 +402,7 @@ PAGES_RUN_BY_OTHER_TESTS = {"calibration.md", "cluster.md"}
 )
 def test_code_on_a_documentation_page_is_run_without_error(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    for name in ("upper", "lower", "lapped"):  # Create the scan files that the commands on the pages read.
+    for name in ("upper", "lower", "lapped"):
         side = "lower" if name == "lapped" else name
         scan = stiction.self_affine(1, hurst_exponent=0.8, rms=0.1, points=4000, spacing=0.05, side=side)
         stiction.write_profile(scan, tmp_path / f"{name}.csv")
@@ -411,7 +411,7 @@ def test_code_on_a_documentation_page_is_run_without_error(page, tmp_path, monke
     stiction.write_profile(stiction.Profile(fine_profile.heights[::4], spacing=0.2), tmp_path / "coarse.csv")
     shutil.copytree(ROOT / "examples/scans", tmp_path / "examples/scans")
     np.save(tmp_path / "map.npy", np.random.default_rng(1).normal(size=(30, 60)))
-    for side in ("upper", "lower"):  # Create scans of one surface by two instruments.
+    for side in ("upper", "lower"):
         fine_profile = stiction.self_affine_surface(
             1, hurst_exponent=0.8, rms=0.1, shape=(128, 128), spacing=0.2, longest_wavelength=8, side=side
         )
@@ -426,7 +426,6 @@ def test_code_on_a_documentation_page_is_run_without_error(page, tmp_path, monke
         run_command(
             "stiction pair upper.csv lower.csv --effective-modulus '115 GPa' --mu0 0.2 --load '10 mN'", tmp_path
         )
-    # The test does not read intervals.
     with use_few_samples():
         run_page(page, tmp_path)
 
@@ -492,7 +491,7 @@ def test_page_about_friction_tests_shows_the_output_of_its_commands(tmp_path, mo
             case "text":
                 outputs = [check_stiction(*shlex.split(line)[1:], cwd=tmp_path).stdout for line in pending_commands]
                 shown_words = block.text.split()
-                if shown_words[-1] == "...":  # only the beginning of the output is shown
+                if shown_words[-1] == "...":
                     assert outputs[-1].split()[: len(shown_words) - 1] == shown_words[:-1]
                 else:
                     assert outputs[-1].split() == shown_words
@@ -546,7 +545,7 @@ def test_code_on_the_documentation_page_about_clusters_is_run_without_error(page
 
         def replace_cluster_settings(text):
             text = text.replace("tcp://head-node:8786", cluster.scheduler_address).replace("16GB", "1GB")
-            for name, value in SLURM_TASK_ENVIRONMENT.items():  # Replace these variables as the shell would.
+            for name, value in SLURM_TASK_ENVIRONMENT.items():
                 text = text.replace(f"${name}", value)
             return re.sub(r"\b(cores|processes|jobs)=\d+", r"\1=1", text)
 

@@ -413,7 +413,6 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
         rtol=MAX_ROUNDING_ERROR,
     )
 
-    # The sentence and the command line show the mu0 that the slider or the field has set.
     # Both controls show the same mu0 if the report has values for this mu0.
     move_slider = "const field = inside.getElementById('mu0'); field.value = 1;" + DISPATCH_INPUT_EVENT_SCRIPT
     for change_mu0, field_value, report_value in (
@@ -454,16 +453,13 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
         assert str(app.directory) not in body.decode(), name
     assert extract_first_answer(json.loads(app.request("GET", f"/jobs/{job}/result.json")[2])) == expected
 
-    assert (
-        app.request("GET", f"/jobs/{job}/at?load=1&mu0=0.2&tau0=0&d=1.2")[0] == 400
-    )  # A pair of measured surfaces has no fractal dimension to choose.
+    assert app.request("GET", f"/jobs/{job}/at?load=1&mu0=0.2&tau0=0&d=1.2")[0] == 400
 
     empty_page.refresh()
     assert wait_until_finished(empty_page) == "done"
     wait_until(lambda: read_displayed_result(empty_page), lambda current_result: current_result == expected)
     wait_until(lambda: read_scan_texts(empty_page, "upper")["hint"], lambda hint: height in hint)
 
-    # The saved study contains no private paths of the server, so that it runs in any directory with these files.
     (map_files[0].parent / "study.toml").write_bytes(app.request("GET", f"/jobs/{job}/study.toml")[2])
     check_stiction("run", "study.toml", "--part=1/2", "--output=again", cwd=map_files[0].parent)
 
@@ -531,7 +527,6 @@ def test_stopped_job_stores_its_partial_result_and_can_be_resumed(empty_page, tm
     fill_fields(empty_page, METAL_WEB_FORM_VALUES | {"shifts": "280"})
     with app.block_commands(40) as unblock:
         press_start_button(empty_page)
-        # Wait until the page has drawn an intermediate result and further members are finished.
         wait_until(lambda: app.list_jobs()[-1], lambda job: job["versions"] > 1 and job["finished"] > 8)
         wait_until(lambda: empty_page.find_element("id", "words").text, lambda text: "of 280" in text)
         empty_page.find_element("id", "stop").click()
@@ -606,7 +601,6 @@ def test_command_error_is_shown_at_the_form_field_that_caused_it(empty_page, map
     wait_until(lambda: read_scan_texts(empty_page, "upper")["hint"], lambda hint: "2.4 µm" in hint)
     empty_page.find_element("css selector", "#pair .go").send_keys("\n")
     assert "the lower scan is missing" in empty_page.find_element("id", "pair-wrong").text
-    # The second map has another grid, and its file contains the units.
     csv_file = tmp_path / "coarse.csv"
     write_surface(Surface(0.01 * np.random.default_rng(3).standard_normal((20, 30)), spacing=(0.15, 0.12)), csv_file)
     choose_scan(empty_page, "lower", csv_file)
@@ -619,7 +613,6 @@ def test_command_error_is_shown_at_the_form_field_that_caused_it(empty_page, map
     assert empty_page.execute_script("return arguments[0].previousElementSibling.control.name", message) == "load"
     assert empty_page.find_element("name", "load").get_attribute("aria-invalid") == "true"
     assert empty_page.execute_script("return jobs.length") == num_jobs
-    # The job checks a condition that depends on the scans, and its message is shown beside the field, too.
     fill_fields(empty_page, {"load": "5 MPa", "lay": "grooves"})
     assert empty_page.find_elements("id", "field-wrong") == []
     press_start_button(empty_page)
@@ -644,7 +637,6 @@ def test_preview_uses_no_more_positions_than_requested(app, empty_page):
         _, headers, body = app.request("GET", link.removeprefix(app.origin))
         assert headers["Content-Disposition"] == f'attachment; filename="{side}.csv"'
         assert body.count(b"\n") >= 128
-    # The page starts to compute the sample surfaces without a click.
     wait_until(lambda: read_job_state(empty_page), bool)
     empty_page.execute_script("postJson(`/jobs/${current}/stop`)")
     assert wait_until_finished(empty_page) in ("stopped", "done")
@@ -751,7 +743,7 @@ def test_app_has_no_accessibility_violations(empty_page, map_files):
         set_window_size(empty_page)
 
     try:
-        for section in ("#made", "#there", "details[name=what]"):  # Open all sections of the form with the Enter key.
+        for section in ("#made", "#there", "details[name=what]"):
             empty_page.find_element("css selector", f"{section} > summary").send_keys("\n")
             check_accessibility()
         for side, path in zip(("upper", "lower"), map_files, strict=True):

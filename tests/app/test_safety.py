@@ -29,7 +29,7 @@ from stiction.app.jobs import JobQueue, run_module
 from stiction.app.server import MAX_CONCURRENT_REQUESTS
 
 SMALL_ENSEMBLE = {"ensemble.repetitions": 2, "surfaces.points": 3000}
-MAX_SERVER_MEMORY = 400e6  # maximum memory (bytes) of a server that has loaded xarray and reads one scan at a time
+MAX_SERVER_MEMORY = 400e6  # bytes, for a server that has loaded xarray and reads one scan at a time
 
 
 @pytest.fixture(scope="module")
@@ -440,9 +440,9 @@ def fake_pair_command(monkeypatch):
     json_points = [{"reported": False, "caveats": []}, {"reported": True, "caveats": [{"text": "use --tip"}]}]
 
     async def run_module(arguments, on_record=None, **_):
-        if '"preview"' in arguments[1]:  # simulate a preview that takes longer than the command itself
+        if '"preview"' in arguments[1]:
             await asyncio.Event().wait()
-        if arguments[0] != "stiction":  # simulate a process that reads the finished part of a stopped job
+        if arguments[0] != "stiction":
             return '{"answer": "finished part", "finished": 1, "total": 2}'
         assert arguments[1] == "pair"
         directory = Path(arguments[-1].removeprefix("--output="))

@@ -130,7 +130,6 @@ def test_calibration_advice_predicts_the_errors_after_ball_tests_over_two_decade
     ball_ratios = pair_ratio * np.array([BALL.area_per_load(load) for load in loads]) / BALL.area_per_load(10.0)
     ratios = np.array([*([pair_ratio] * len(tests)), *ball_ratios])
     design_matrix = np.stack([np.ones_like(ratios), ratios], axis=1)
-    # All measured coefficients have the same error.
     expected = 0.009 * np.sqrt(np.diag(np.linalg.inv(design_matrix.T @ design_matrix)))
     assert (mu0_error, tau0_error) == pytest.approx(expected, rel=0.25)
 
@@ -203,9 +202,7 @@ def test_uncertainty_of_a_hardness_shared_by_all_pairs_cancels_in_the_prediction
     value, lower, upper = strength.predict(predicted_pair, "50 MPa")
     assert value == pytest.approx(0.25, rel=0.02)
     assert upper - lower < 0.035  # most of this width is due to unresolved roughness
-    unrelated_pair = pair(
-        *rough_surface_pair(0.02), hardness="0.5..1.51 GPa", **PAIR_OPTIONS
-    )  # A hardness given by another text is independent of the hardness of the calibrated pair.
+    unrelated_pair = pair(*rough_surface_pair(0.02), hardness="0.5..1.51 GPa", **PAIR_OPTIONS)
     assert np.ptp(strength.predict(unrelated_pair, "50 MPa")[1:]) > 3 * (upper - lower)
     # A hardness given by the same text as in the interface file has the same error as in the calibration.
     write_interface(strength, tmp_path / "film.csv")
@@ -215,7 +212,6 @@ def test_uncertainty_of_a_hardness_shared_by_all_pairs_cancels_in_the_prediction
         for text in (hardness, "0.5..1.51 GPa")
     )
     assert np.ptp(shared_result.interval) < 0.5 * np.ptp(unrelated_result.interval)
-    # The row of the interface names the hardness if there is no separate row for the hardness.
     for predicted_result, is_shared in ((shared_result, True), (unrelated_result, False)):
         labels = predicted_result.budget["input"].tolist()
         (label,) = (text for text in labels if text.startswith("the interface"))
@@ -241,12 +237,10 @@ def test_two_ranges_of_one_hardness_give_the_interval_of_the_narrower_range(tmp_
     widths = {text: np.ptp(interval[1:]) for text, interval in intervals.items()}
     assert max(widths[text] for text in ("1 GPa ± 2 %", "1 GPa", "1 GPa ± 20 %")) < 1.03 * widths["1 GPa ± 10 %"]
     assert widths["1.01 GPa ± 2 %"] > 1.3 * widths["1 GPa ± 10 %"]
-    # A fit with the narrower range gives the same interval.
     expected = np.array(narrow_law.predict(targets["1 GPa ± 2 %"], "20 MPa"))
     assert intervals["1 GPa ± 2 %"] == pytest.approx(expected, abs=0.05 * np.ptp(expected[1:]))
     (caveat,) = predict_wanted_pair(law, targets["1 GPa ± 2 %"]).caveats
     assert caveat.startswith("! the hardness is 1 GPa ± 2 %, but 1 GPa ± 10 % in the tests of the interface")
-    # The pair with this interface gives the same interval, and a caveat with both ranges.
     write_interface(law, tmp_path / "film")
     options = {name: value for name, value in PAIR_OPTIONS.items() if name not in ("mu0", "tau0")}
     for text, target in targets.items():
@@ -345,7 +339,6 @@ def test_narrower_modulus_of_a_ball_applies_to_its_tests_as_in_a_fit_with_this_r
     law, narrow_law = fit_law("3 GPa ± 10 %"), fit_law("3 GPa ± 3 %")
     expected = narrow_law.predict(target, "10 mN")
     assert law.predict(target, "10 mN") == pytest.approx(expected, abs=0.05 * np.ptp(expected[1:]))
-    # An exact modulus gives an interval that is at least as narrow.
     assert np.ptp(law.predict(Ball("0.5 mm", "3 GPa"), "10 mN")[1:]) < 1.02 * np.ptp(expected[1:])
     independent_target = Ball("0.5 mm", "3.01 GPa ± 3 %")
     assert np.ptp(law.predict(independent_target, "10 mN")[1:]) > 1.5 * np.ptp(expected[1:])
@@ -522,7 +515,6 @@ def test_fits_with_mu0_or_tau0_at_zero_agree_with_tests_of_a_pair_whose_contacts
     interface = calibrate(tests, common=0.0, sliding="all")
     assert not interface.separated
     (_, tau0), (mu0, _) = interface.samples_at_bounds
-    # A/F of growing contacts depends on both mu0 and tau0.
     for strengths in ((0.0, np.median(tau0)), (np.median(mu0), 0.0)):
         coefficient = solve_coefficient(*(float(value) for value in strengths), 27.0)
         assert coefficient == pytest.approx(tests[0].coefficient, rel=0.005)
@@ -535,7 +527,6 @@ def test_fits_with_mu0_or_tau0_at_zero_agree_with_tests_of_a_pair_whose_contacts
 def test_both_ends_of_the_line_that_unseparated_tests_allow_have_the_median_sum() -> None:
     random = np.random.default_rng(4)
     interface = calibrate([FrictionTest(BALL, 100.0, coefficient=0.4, uncertainty=0.02)], common=0.0, sliding="all")
-    # The tests exclude mu0 = 0, and A/F is uncertain by 20 %.
     area_per_load = np.exp(0.2 * random.standard_normal(4000))
     total, mu0 = random.normal(0.4, 0.01, 4000), random.uniform(0.15, 0.4, 4000)
     mu0 = np.minimum(mu0, total)
@@ -561,7 +552,6 @@ def test_mean_area_per_load_of_opposing_contacts_that_grow_is_within_its_interva
     assert all(lower < area_per_load < upper for area_per_load, *_ in interface.tests)
     text = " ".join(calibration_text(interface).split())
     assert f"A/F of the tests: {Estimate(value, lower, upper).text()} 1/GPa" in text
-    # The text, the JSON record, the file and the plans of further tests have the same A/F.
     assert interface.area_per_load == value
     write_interface(interface, tmp_path / "law")
     assert read_interface(tmp_path / "law").tested_area_per_load[0] == value
@@ -769,7 +759,6 @@ def test_prediction_that_neglects_junction_growth_exceeds_the_direct_solution() 
     interface = calibrate(simulate_junction_growth_tests(0, 20.0), sliding="all")
     predicted_coefficient, *_ = interface.predict(compute_plastic_pair(0, 0.02, "1.25 GPa"), "20 MPa")
     assert predicted_coefficient > 1.05 * solve_coefficient(0.2, 0.05, 20.0, 0.02, 1.25)
-    # If junction growth is neglected, the tests on the ball contradict the tests on the pair.
     assert interface.fits[0].scale > 1.5
     assert interface.about[JUNCTION_GROWTH_HEADER_ENTRY] == "0"
 
@@ -894,7 +883,7 @@ def ball_and_load(ratio: float) -> tuple[Ball, float]:
 
 
 ROUGH_FINISH, SMOOTH_FINISH, SOFT_FINISH = (0.003, None), (0.001, None), (0.003, 0.1)
-FRICTION_TEST_SERIES: dict[str, Any] = {  # bodies and settings of each series of simulated friction tests
+FRICTION_TEST_SERIES: dict[str, Any] = {
     "ball": ((None,), {}),
     "no adhesion": ((None,), {"tau0": 0.0}),
     "no mu0": ((None,), {"mu0": 0.0}),

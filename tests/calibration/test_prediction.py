@@ -276,7 +276,6 @@ def test_plans_for_a_law_from_a_file_keep_the_common_error_of_its_tests(tmp_path
         {plan.text: np.ptp(plan.coefficient[1:]) for plan in plan_tests(each, result, "20 MPa")}
         for each in (strength, old_strength)
     )
-    # The error of 10 % that all tests share remains.
     assert plans["1 test of this pair at this load"] > 0.99 * 2 * 1.96 * strength.predict(result, "20 MPa")[0] * 0.1
     assert "1 test of this pair at this load, without an error that all tests share" in old_plans
     assert "1 test of this pair at this load" not in old_plans

@@ -120,7 +120,6 @@ def test_calibrate_command_ranks_proposed_tests_by_the_remaining_interval_for_th
     assert "The fit assumes a further error of 2 % that all tests share (--common)." in words
     assert "Each of these tests has an error of 4 %, the median of your tests." in words
     record = json.loads(check_stiction("calibrate", *arguments, "--json", cwd=two_finishes_directory).stdout)
-    # The loads of the result that is wanted are 40 and 160 MPa.
     assert [entry["text"].split("(")[1] for entry in record["predicted"]] == ["40 MPa)", "160 MPa)"]
     assert record["common"] == 0.02
     assert f"further tests, by the interval at {record['predicted'][0]['text']} " in words
@@ -195,7 +194,6 @@ def test_calibrate_command_reports_caveats_and_lay_of_the_tested_pairs(tmp_path)
     assert len(record["lays"]) == 1
     check_stiction(*arguments, "0.1 MPa", "-o", "law", cwd=tmp_path, without_figures=True)
     assert fault.text in read_interface(tmp_path / "law").about["do not quote"]
-    # The Python function writes a file with the same caveats.
     interface = calibrate([FrictionTest(result, "0.1 MPa", coefficient=0.25, uncertainty=0.01)])
     write_interface(interface, tmp_path / "python_law")
     caveats = [read_interface(tmp_path / name).about["do not quote"] for name in ("law", "python_law")]

@@ -294,7 +294,6 @@ def test_characterise_command_reads_an_atomic_force_microscope_map(find_measured
     assert [float(number) for number in rows["Pq"][::2]] == pytest.approx([38.8, 62.0], abs=0.05)
     assert [float(number) for number in rows["Pdq, neighbours"]] == pytest.approx([0.109, 0.141], abs=5e-4)
     # Other methods give Hurst exponents of 0.87 to 0.90 for this map, and single profiles scatter by 0.2.
-    # Along x, the spectrum of the map is not a power law.
     assert rows["Hurst exponent H"][:3] == ["none,", "no", "line"]
     assert float(rows["Hurst exponent H"][3]) == pytest.approx(0.88, abs=0.06)
 

@@ -132,7 +132,6 @@ def test_csv_table_escapes_file_names_that_spreadsheets_would_read_as_formulas(s
     with (scans_directory / "t.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["file"] for row in rows] == [f"'{name}", "lower.csv"]
-    # A text that starts with "-" could be a formula and is escaped, unlike a negative number.
     assert np.isfinite(float(rows[0]["Ssk"]))
 
 
@@ -158,7 +157,7 @@ def test_pair_command_prints_the_estimated_time_only_for_long_computations(scans
 
 def test_table_command_overwrites_a_table_that_an_identical_command_wrote_during_the_run(tmp_path, monkeypatch):
     def write_and_export(dataset, path, **options):
-        export(dataset, path)  # a table that the other command writes
+        export(dataset, path)
         export(dataset, path, **options)
 
     export = store.export

@@ -288,7 +288,6 @@ def test_material_name_sets_the_modulus_and_the_hardness_and_the_yield_strength(
     assert "brass" in remark_without_hardness
     assert "--hardness" in remark_with_hardness
 
-    # Rubber has no hardness in the table of materials, because it does not yield.
     arguments = ["--mu0", "0.3", *LOAD_OPTION, "--upper", "PDMS", "--lower", "glass"]
     assert parse_study(scans_directory, *MAP_ARGUMENTS, *arguments).contact.hardness is None
     with contextlib.chdir(scans_directory):
@@ -428,7 +427,7 @@ def test_pair_command_evaluates_the_stored_sums_of_each_load_only_once(scans_dir
         return evaluate_piece(piece, study, loads, mu0, tau0, load_definition, names, *other_arguments)
 
     monkeypatch.setattr(member_values, "_evaluate_piece", evaluate_and_record)
-    monkeypatch.setattr("stiction.views.report.result.evaluate_in_copy", contextlib.nullcontext)  # record all calls
+    monkeypatch.setattr("stiction.views.report.result.evaluate_in_copy", contextlib.nullcontext)
     options = ["--hardness", "0.5..1.5 GPa", "--load", "7 MPa", "--load", "9 MPa", "--shifts", 4, "--onset", 0]
     result = call_stiction(
         "pair", *MAP_ARGUMENTS, *MATERIAL_OPTIONS, *options, "-o", tmp_path / "out", cwd=scans_directory,
@@ -466,7 +465,6 @@ def test_pair_command_interrupted_during_file_output_has_already_printed_the_res
         raise KeyboardInterrupt
 
     monkeypatch.setattr(f"stiction.{function}", interrupt)
-    # Keep the command from ignoring Ctrl-C.
     monkeypatch.setattr("stiction.cli.application.signal.signal", lambda *_: None)
     monkeypatch.setattr("os._exit", sys.exit)  # replace os._exit, which would end the test run
     arguments = ["pair", *MAP_ARGUMENTS, *MATERIAL_OPTIONS, "--load", "7 MPa", "--shifts", 2, "--onset", 0]
@@ -905,7 +903,7 @@ def test_pair_commands_for_two_parts_of_a_run_give_a_complete_result(scans_direc
         check_stiction(*arguments, "--part", run_part, cwd=scans_directory)
     assert store.open_stored_result(scans_directory / "parts").finished_members.size == 4
     completed = check_stiction(*arguments, cwd=scans_directory)
-    assert "not in per cent" in completed.stdout  # caveat about mu0 = 30
+    assert "not in per cent" in completed.stdout
 
 
 @pytest.mark.usefixtures("disable_figures", "no_reports", "omit_companion_files")
@@ -944,7 +942,7 @@ def test_stylus_profile_paired_with_itself_at_one_position_is_shifted_by_the_tra
 
 
 @pytest.mark.usefixtures("disable_figures", "no_reports")
-@pytest.mark.parametrize("lines", [4, 16])  # the mean over four lines has no interval
+@pytest.mark.parametrize("lines", [4, 16])
 def test_pair_command_presses_an_afm_map_on_its_surrogates(find_measured_file, tmp_path, lines):
     pytest.importorskip("SurfaceTopography")
     file = find_measured_file("di-4.di")
@@ -1038,7 +1036,6 @@ def test_pair_command_reports_onset_of_sliding(directory_options_and_record):
     assert onset["members"] == 3
     assert onset["poisson_ratio"] == pytest.approx([0.295, 0.35], abs=1e-3)
     assert 0 < onset["displacement_at_sliding"]["value"] < 0.1
-    # The command computes nothing when it is repeated, and prints the same sentence.
     (directory / "pair/onset.csv").unlink()
     completed = call_stiction(
         "pair", *MAP_ARGUMENTS, *arguments, "--verbose", cwd=directory, without_figures=True, without_report=True
@@ -1073,7 +1070,7 @@ def test_pair_command_solves_a_noisy_scan_both_unfiltered_and_filtered(tmp_path)
     (fault,) = [
         value for value in find_input_caveats(noisy_profile, noisy_profile, studies["cut"]) if value.severity == "fault"
     ]
-    assert fault.cut_off < 0.3  # A result filtered at 0.3 µm does not have this fault.
+    assert fault.cut_off < 0.3
 
 
 def create_noisy_and_clean_profiles():

@@ -642,12 +642,7 @@ def test_shear_peak_with_few_contacts_has_a_caveat():
 
 @pytest.mark.parametrize(
     ("mu0", "hardness", "has_caveat"),
-    [
-        (0.6, "150 MPa", True),
-        (0.35, "150 MPa", False),
-        (0.6, "1 TPa", False),  # no asperity reaches its strength
-        (0.6, None, False),
-    ],
+    [(0.6, "150 MPa", True), (0.35, "150 MPa", False), (0.6, "1 TPa", False), (0.6, None, False)],
 )
 def test_shear_peak_has_a_caveat_if_asperities_shear_before_they_slide(mu0, hardness, has_caveat):
     options = {"path": "0.5 mm", "steps": 4, "mu0": mu0, "hardness": hardness} | LOAD_AND_ELASTICITY

@@ -369,7 +369,7 @@ def test_results_at_stored_height_factors_are_reused_for_new_mu0_but_not_for_new
     result_at_other_mu0 = pair(*bodies, directory=tmp_path, **kwargs | {"mu0": 0.4})
     table = result_at_other_mu0.at(height_scale=[1, 2])
     assert table["mu0"].values.tolist() == [0.4]
-    assert (get_mean_values(table["mean_friction"]) > 2 / 6.05).all()  # the softer body shears
+    assert (get_mean_values(table["mean_friction"]) > 2 / 6.05).all()
     stiffer_result = pair(*bodies, directory=tmp_path, replace=True, **kwargs | {"effective_modulus": "160 GPa"})
     assert list(open_results_by_factor(stiffer_result.source, "both")) == [1.0]
     table = stiffer_result.at(height_scale=2, compute=True)
@@ -415,9 +415,7 @@ def test_height_factor_figures_show_area_fractions_only_if_the_nominal_area_is_m
     compute_results_at_height_factors(result.source, [0.5])
     for name in ("friction", "height_scale"):
         assert result.figure(name).axes[1].get_ylabel() == axis_label(quantity)
-    assert bool(result.figure("friction").axes[0].child_axes) == (
-        mechanics == "half-space"
-    )  # second axis, with nominal pressures
+    assert bool(result.figure("friction").axes[0].child_axes) == (mechanics == "half-space")
 
 
 def test_figure_and_report_show_stored_height_factors(bodies, result, tmp_path):

@@ -143,7 +143,6 @@ def test_slip_map_contains_the_load_at_which_each_point_slips(study, onset, monk
     np.testing.assert_allclose(onset["slip"], expected, rtol=1e-6)
     in_contact = curve.contact(0).pressure > 0
     np.testing.assert_array_equal(np.isfinite(onset["slip"]), in_contact)
-    # The points that slip at half of the sliding load carry the load fraction that the onset curve states.
     slipped_fraction = curve.contact(0).pressure[onset["slip"].values <= 0.5].sum() / curve.contact(0).pressure.sum()
     assert slipped_fraction == pytest.approx(
         member_onset.slipped_load[onset["fraction"].values.tolist().index(0.5)], rel=1e-9
@@ -184,7 +183,7 @@ def test_figures_and_report_show_slip_map(study, onset, tmp_path):
     page = report_page(open_stored_result(tmp_path))
     for heading in ("Onset of sliding", "Order of slip", "light points slip first"):
         assert heading in page
-    assert page.count('<div class="figure"><svg role="img"') == 3  # the third figure shows each position
+    assert page.count('<div class="figure"><svg role="img"') == 3
     export(onset.drop_vars(["slip", "lower_height"]), tmp_path / ONSET_FILE, replace=True)
     assert "slip" not in open_result(tmp_path).figures()
     with disable_drawing():
@@ -265,7 +264,7 @@ def test_sliding_load_is_the_friction_coefficient_times_the_normal_load(tmp_path
     stored_onset = load_stored_onset(open_stored_result(tmp_path / "pair"))
     stored_load = float(stored_onset["sliding_load"].sel(statistic="mean"))
     factor = limits[0] / stored_load
-    assert factor > 1.02  # junction growth increases the sliding load
+    assert factor > 1.02
     for name, power in (("energy_lost", 2), ("tangential_load", 1), ("displacement", 1), ("slipped_area", 0)):
         scaled_values, expected = (
             onset_table[name].sel(statistic="mean").values for onset_table in (result.onset, stored_onset)

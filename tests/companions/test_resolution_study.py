@@ -64,9 +64,7 @@ def test_cutoff_study_is_none_if_there_are_no_cutoffs_to_compare(study, tmp_path
         build_cutoff_study(study.with_changes({"contact.mechanics": "asperities", "contact.law": "hertz-sphere"}))
         is None
     )
-    small_study = create_study_from_files(
-        tmp_path, spacing=write_maps(tmp_path)
-    )  # maps of 48 points per side are too small for a second cutoff
+    small_study = create_study_from_files(tmp_path, spacing=write_maps(tmp_path))
     assert build_cutoff_study(small_study) is None
 
 
@@ -96,7 +94,6 @@ def test_cutoff_study_stored_for_another_hardness_is_ignored(study, tmp_path):
     assert limits.plastic_limit == (min_friction, min_area_fraction)
     area = result["contact_area_fraction"].sel(statistic="mean").values
     assert (area > min_area_fraction).all()
-    # A cutoff study that was stored for another hardness is ignored.
     softer_directory = tmp_path / "softer"
     compute_missing_blocks(small_study.with_changes({"contact.hardness": "3 GPa"}), softer_directory)
     compute_missing_blocks(cutoff_study, softer_directory / CUTOFF_STUDY_DIRECTORY)
@@ -143,7 +140,7 @@ def test_longest_yielding_wavelength_is_listed_for_each_hardness(tmp_path):
     assert [estimate.friction for estimate in table] == pytest.approx([0.3 + 0.05 / row.hardness for row in table])
     for estimate in table:
         if estimate.hardness < 0.9 * pressure:
-            assert estimate.wavelength.value > 0.2  # the plastic wavelength is resolved by the scan
+            assert estimate.wavelength.value > 0.2
         elif estimate.hardness > 1.1 * pressure:
             assert not estimate.wavelength.value > 0.5
     limits = find_resolution_limits(point.expand_dims("cut_off"), elastic_study)

@@ -95,7 +95,7 @@ def test_friction_is_equal_for_all_definitions_of_load_at_small_slopes(areal_stu
     }
     values = [table["mean_friction"].sel(statistic="mean").values for table in tables.values()]
     np.testing.assert_allclose(values[1], values[2], rtol=1e-3)
-    np.testing.assert_allclose(values[0], values[1], rtol=2e-3)  # ratio of means, and mean of ratios
+    np.testing.assert_allclose(values[0], values[1], rtol=2e-3)
     assert float(tables["elastic"]["load_definition_effect"].max()) < 1e-3
     assert {name: table.attrs["load_definition"] for name, table in tables.items()} == {
         name: name for name in tables
@@ -155,7 +155,7 @@ MECHANICS_AND_CONTACT_KEYS_BY_STUDY = {
     "yielding": ("half-space", f'{LOADS}\nhardness = "0.5 GPa"'),
     "adhesive": ("half-space", f'{LOADS}\nwork_of_adhesion = "50 mJ/m^2"'),
 }
-MEAN_LOAD_QUANTITIES = {"normal_load", "tangential_load"}  # computed from the mean load and the coefficient
+MEAN_LOAD_QUANTITIES = {"normal_load", "tangential_load"}
 QUANTITIES_PER_NOMINAL_AREA = {"contact_area_fraction", "nominal_pressure", *STIFFNESS_PER_AREA_QUANTITIES}
 
 
@@ -242,7 +242,7 @@ def test_evaluating_selected_quantities_gives_the_values_of_a_complete_evaluatio
 def test_stiffnesses_per_nominal_area_have_equal_units(areal_study_and_dataset):
     _, dataset = areal_study_and_dataset
     values = at_load(dataset, dataset["load"].values[:2]).squeeze()
-    stiffness_per_area = values["normal_stiffness"] / values["nominal_area"] * 1e6  # convert GPa/µm to MPa/mm
+    stiffness_per_area = values["normal_stiffness"] / values["nominal_area"] * 1e6  # GPa/µm to MPa/mm
     np.testing.assert_allclose(values["stiffness_per_area"], stiffness_per_area, rtol=1e-12)
     names = ("stiffness_per_area", "unloading_stiffness_per_area", "closure_stiffness")
     assert {values[name].attrs["units"] for name in names if name in values} == {"MPa/mm"}
@@ -510,7 +510,7 @@ def test_interval_between_computed_loads_contains_the_direct_solution_if_contact
         )
     ]
     difference, interpolation_error = (np.array([row[index] for row in rows]) for index in (1, 2))
-    assert np.abs(difference).max() > 0.1  # single contacts that appear cause jumps of friction
+    assert np.abs(difference).max() > 0.1
     assert np.mean(np.abs(difference) <= interpolation_error) > MIN_COVERAGE
 
 

@@ -115,7 +115,6 @@ def test_replacing_a_stored_result_also_replaces_its_solutions_for_other_hardnes
     assert softer_result.interval == pair(*rough_surfaces(), effective_modulus="20 GPa", **kwargs).interval
 
 
-# The first two cases are a plastic contact and an elastic-plastic contact.
 # The range of E* in the third case is so wide that it needs solutions at other loads.
 @pytest.mark.parametrize(("rms", "modulus"), [(0.03, "70..90 GPa"), (0.003, "70..90 GPa"), (0.003, "48..112 GPa")])
 def test_interval_for_uncertain_hardness_and_modulus_agrees_with_direct_solutions(rms, modulus) -> None:
@@ -389,7 +388,7 @@ def test_interval_contains_the_coefficient_if_the_distribution_of_tau0_is_trunca
 
 
 def test_combined_interval_contains_the_interval_of_the_mean_for_random_means_and_intervals(monkeypatch) -> None:
-    monkeypatch.setattr(budget, "MAX_BUDGETED_COEFFICIENTS", 0)  # compute no budgets, which saves time
+    monkeypatch.setattr(budget, "MAX_BUDGETED_COEFFICIENTS", 0)
     # Replace the statistics of the result by random ones, so that some ranges for finer scans exceed the interval.
     random = np.random.default_rng(5)
     result = pair(

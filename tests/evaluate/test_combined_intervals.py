@@ -21,7 +21,7 @@ from stiction.evaluate.response import ContactResponseToInputs, InputValues
 from stiction.study.inputs import Inputs
 from support.synthetic_results import measured_study
 
-LOAD, ELASTIC_AREA, NOMINAL_AREA = 10.0, 20.0, 10_000.0  # load (mN), contact area (µm²), nominal area (µm²)
+LOAD, ELASTIC_AREA, NOMINAL_AREA = 10.0, 20.0, 10_000.0  # mN, µm², µm²
 QUANTILE_ERROR = 0.01  # relative error of the logarithm of a quantile that is estimated from samples
 
 
@@ -221,7 +221,7 @@ def test_interval_of_a_friction_coefficient_of_zero_starts_at_zero():
 def test_quantiles_of_finite_and_infinite_samples_are_bit_identical_to_those_of_numpy(size):
     probabilities = np.array([0.0, 0.025, 0.05, 0.25, 0.5, 0.95, 0.975, 1.0])
     samples = np.random.default_rng(size).lognormal(size=size)
-    for values in (samples, samples.round(1)):  # all samples different, and some samples equal
+    for values in (samples, samples.round(1)):
         np.testing.assert_array_equal(compute_quantiles(probabilities, values), np.quantile(values, probabilities))
         infinite = np.where(values > 2.0, np.inf, values)
         infinite[0] = np.inf

@@ -29,7 +29,7 @@ MIN_COVERAGE = {
 }  # fmt: skip
 
 
-# Cases that also run outside the stress suite: number of values, correlation.
+# Number of values and correlation of the cases that also run outside the stress suite.
 DEFAULT_CASES = ((16, 0.8), (64, 0.4), (200, 0.0))
 
 
@@ -142,7 +142,7 @@ def test_interval_of_a_sample_mean_is_symmetric_if_values_have_both_signs():
 def test_interval_of_a_mean_of_exponential_samples_is_positive_and_contains_the_true_mean(count):
     mean, lower, upper = average_independent_values(np.random.default_rng(3).exponential(size=(count, 20_000)))
     assert (lower > 0).all()
-    symmetric_upper = mean + (mean - lower)  # the true upper end is farther from the mean
+    symmetric_upper = mean + (mean - lower)
     assert (upper > symmetric_upper).all()
     assert ((lower <= 1) & (upper >= 1)).mean() > 0.925
 
@@ -155,7 +155,7 @@ def test_sample_quantiles_equal_quantiles_from_numpy_with_and_without_missing_va
         compute_sample_quantiles(values, probabilities), np.quantile(values, probabilities, axis=0)
     )
     values[values > 0.5] = np.nan
-    values[:, 0, 0], values[1:, 1, 1] = np.nan, np.nan  # a column of NaN only, and a column with at most one number
+    values[:, 0, 0], values[1:, 1, 1] = np.nan, np.nan
     expected = np.nanquantile(values, probabilities, axis=0)
     np.testing.assert_array_equal(compute_sample_quantiles(values, probabilities), expected)
 

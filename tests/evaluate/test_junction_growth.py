@@ -165,7 +165,6 @@ def find_area_ratios(result):
 def test_adhesive_part_of_the_normal_load_grows_with_the_contact_area(growth_result):
     area_ratio, growth = find_area_ratios(growth_result)
     assert growth > 1.1
-    # Adhesion contributes -10 % of the normal load before the contacts grow.
     ratio = -0.1 / (area_ratio * INTERFACE_STRENGTH["tau0"])
     values = replace_sums_by_load_multiples(growth_result, normal_adhesive=ratio, normal_frictional=0.0).at(
         per_member=True
@@ -177,7 +176,6 @@ def test_adhesive_part_of_the_normal_load_grows_with_the_contact_area(growth_res
 
 def test_pair_that_loses_its_normal_load_as_contacts_grow_is_self_locked(growth_result):
     area_ratio, growth = find_area_ratios(growth_result)
-    # After the contacts have grown, the normal load is negative.
     ratio = -1 / (area_ratio * INTERFACE_STRENGTH["tau0"] * math.sqrt(growth))
     result = replace_sums_by_load_multiples(growth_result, normal_adhesive=ratio, normal_frictional=0.0)
     values = result.at(per_member=True)

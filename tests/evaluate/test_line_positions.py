@@ -243,7 +243,7 @@ def test_positions_without_a_coefficient_have_a_status_and_are_omitted_from_the_
     assert mean["friction_coefficient"][1].isnull().all()
     values = mean["contact_area"][0]
     assert np.isfinite(values[0])
-    assert values[1:].isnull().all()  # The mean of a single position has no interval.
+    assert values[1:].isnull().all()
 
 
 def test_result_for_arrays_of_mu0_and_tau0_equals_results_for_their_single_values(profile_pair):
@@ -284,9 +284,7 @@ def test_pairing_of_profiles_returns_half_of_the_slider_and_the_complete_counter
     assert slider.history[-2:] == ("cropped to 0 to 15 µm", "levelled by a line")
     (short_slider,), (counterface,) = paired_lines(cropped(upper, 0, 5), lower)
     assert (len(short_slider), len(counterface)) == (500, 3000)
-    (slider,), (counterface,) = paired_lines(
-        rough_profile("upper", points=800, spacing=0.02), lower
-    )  # Both profiles are resampled to the finer spacing.
+    (slider,), (counterface,) = paired_lines(rough_profile("upper", points=800, spacing=0.02), lower)
     assert (slider.spacing, counterface.spacing, len(counterface)) == (0.01, 0.01, 3000)
 
 
@@ -316,7 +314,7 @@ def test_lines_paired_within_one_map_are_a_third_of_the_map_apart():
     np.testing.assert_array_equal(uppers[1].heights, -surface.heights[:, 100])
     np.testing.assert_array_equal(lowers[1].heights, surface.heights[:, 233])
     np.testing.assert_array_equal(lowers[3].heights, surface.heights[:, 33])
-    for lines in (1, 2):  # Both scans are the same map, so a row must not be paired with itself.
+    for lines in (1, 2):
         uppers, lowers = paired_lines(surface, surface, level=None, lines=lines)
         np.testing.assert_array_equal(uppers[0].heights, -surface.heights[0][: len(uppers[0])])
         np.testing.assert_array_equal(lowers[0].heights, surface.heights[3])

@@ -89,7 +89,6 @@ class TestListedPositions:
         result = run_pair(upper, lower, [0.02, 0.1], positions=positions, **ASPERITY_OPTIONS)
         assert result.dataset["x"].values.tolist() == [0.8, -0.4]
         assert result.dataset["y"].values.tolist() == [-0.5, 1.0]
-        # The positions are shifts by (20, -10) and (-10, 20) columns and rows.
         # The overlaps have 54 by 60 and 44 by 70 points, and both pieces are cut to the common size of 44 by 60 points.
         assert result.nominal_area == pytest.approx(44 * 0.05 * 60 * 0.04)
         windows = [

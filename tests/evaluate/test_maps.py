@@ -51,7 +51,6 @@ def test_friction_map_is_mean_tangential_over_mean_normal_load_of_all_pairs_even
 def test_friction_map_uses_the_first_approach_at_which_the_load_rises_to_the_requested_load():
     result = create_result([1.0, 3.0, 2.0, 5.0], [0.1, 0.3, 0.8, 5.0])
     assert np.allclose(compute_friction_map(result, [2.5])["friction_coefficient"], [0.25 / 2.5], rtol=ROUND_OFF)
-    # The load may be reached from below even after a range of negative loads.
     result = create_result([1.0, -3.0, 2.0, 5.0], [0.1, 0.3, 0.8, 5.0])
     assert np.allclose(compute_friction_map(result, [2.0])["friction_coefficient"], [0.4], rtol=ROUND_OFF)
     assert np.allclose(
@@ -82,7 +81,7 @@ def test_friction_map_has_a_status_instead_of_extrapolated_values_outside_its_lo
 @pytest.mark.parametrize(
     ("normal", "tangential", "load", "value", "width"),
     [
-        ([[2.0]], [[1.0]], 2.0, 0.5, np.nan),  # loads of one repetition at one approach
+        ([[2.0]], [[1.0]], 2.0, 0.5, np.nan),
         (
             [[0.0, 0.0]] * 4 + [[1.0, 2.0]],
             [[0.0, 0.0]] * 4 + [[0.5, 1.0]],
@@ -90,8 +89,8 @@ def test_friction_map_has_a_status_instead_of_extrapolated_values_outside_its_lo
             0.5,
             np.nan,
         ),  # only one of five repetitions carries a load
-        ([[1.0, 2.0]] * 5, [[0.5, 1.0]] * 5, 1.5, 0.5, 0.0),  # all repetitions are equal
-        ([[1.0, 2.0], [1.1, 2.5]], [[0.0, 0.0]] * 2, 1.5, 0.0, 0.0),  # all tangential loads are zero
+        ([[1.0, 2.0]] * 5, [[0.5, 1.0]] * 5, 1.5, 0.5, 0.0),
+        ([[1.0, 2.0], [1.1, 2.5]], [[0.0, 0.0]] * 2, 1.5, 0.0, 0.0),
     ],
 )
 def test_friction_map_interval_is_nan_for_few_pairs_and_zero_for_identical_pairs(
@@ -163,7 +162,6 @@ def test_area_map_interpolates_linearly_in_the_approach():
 
 NUM_ENSEMBLES = 2000
 # Minimum coverage of 95 % intervals by (spread, scatter) and number of repetitions.
-# A coverage measured from 2000 ensembles has a standard error of 0.005.
 # If a lognormal load has few repetitions, the coverage is below 0.95, because small samples often miss the tail.
 MIN_COVERAGE = {
     (0.3, 0.3): {5: 0.93, 10: 0.935, 24: 0.94, 100: 0.94},

@@ -20,14 +20,12 @@ from support.rough_surfaces import rough_maps
 
 pytestmark = pytest.mark.usefixtures("no_companion_files")
 
-HARDNESS, MODULUS, LOAD = 1.0, 80.0, 20.0  # hardness (GPa), effective modulus (GPa), load (mN)
+HARDNESS, MODULUS, LOAD = 1.0, 80.0, 20.0  # GPa, GPa, mN
 PAIR_OPTIONS = {
     "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": MODULUS, "shifts": 4, "cutoff": "none", "onset": 0,
     "direction": [0.0, 180.0],
 }  # fmt: skip
-NO_UNCERTAIN_INPUTS = {
-    (PAIR_OPTIONS["mu0"], 0.05): ({}, [])
-}  # no uncertain inputs and no joint samples, at one mu0 and tau0 (GPa)
+NO_UNCERTAIN_INPUTS = {(PAIR_OPTIONS["mu0"], 0.05): ({}, [])}
 
 
 def rough_pair(rms=0.01):

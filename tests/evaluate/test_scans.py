@@ -219,9 +219,7 @@ def test_interval_from_few_scans_contains_the_mean_friction_over_many_scans(spre
             for side, gradients_of_part in zip(("upper", "lower"), gradients, strict=True)
         ]
 
-    true_result = pair(
-        *generate_scans(100, 24), shifts=576, **arguments
-    ).value  # the gradients of all parts have the same distribution
+    true_result = pair(*generate_scans(100, 24), shifts=576, **arguments).value
     results = [pair(*generate_scans(part, 3 + part % 4), shifts=32, **arguments) for part in range(20)]
     covered = sum(item.interval[0] <= true_result <= item.interval[1] for item in results)
     print(f"spread {spread}: {covered} of 20 cover {true_result:.4f}")
@@ -274,7 +272,6 @@ def test_roughness_drift_of_a_single_scan_widens_the_interval_and_appears_in_bud
     budget = result.budget.set_index("input")
     assert budget.index[0] == "which piece of the upper part"
     assert "which piece of the lower part" not in budget.index
-    # The remaining interval is due to the scatter between positions alone.
     assert budget.loc["which piece of the upper part", ["lower", "upper"]].tolist() == pytest.approx(
         list(result.interval_of_mean), rel=0.01
     )

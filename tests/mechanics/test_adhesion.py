@@ -208,7 +208,7 @@ def test_adhesive_contact_of_a_sinusoid_equals_johnson_solution_and_jumps_to_ful
     if alpha > 0.57:
         assert (curve.contact_area > 1 - 1 / points).all()
         return
-    angle = np.linspace(1e-4, 1.2, 100_001)  # the angle πa/λ on the stable branch is smaller than 1.2
+    angle = np.linspace(1e-4, 1.2, 100_001)
     johnson_pressure = np.sin(angle) ** 2 - alpha * np.sqrt(np.tan(angle))
     stable_branch = slice(
         np.argmin(johnson_pressure),

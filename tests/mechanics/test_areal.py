@@ -26,11 +26,9 @@ from support.rough_surfaces import rough_maps
 REFERENCE_TOLERANCE = 1e-8
 # The curvature error of a spline is of second order in spacing / radius, which is at most 1e-3 here.
 SPLINE_TOLERANCE = 1e-6
-# Tolerance of identities that only change the order of operations.
 # Round-off moves a minimum of the gap, most where the gap is flat.
 INVARIANCE_TOLERANCE = 1e-9
 SCALING_TOLERANCE = 1e-8
-# Tolerance of sums of the same numbers in another order.
 ROUND_OFF = 1e-12
 
 DIRECTION_DEPENDENT_SUMS = (
@@ -197,8 +195,7 @@ class TestArealContactAgainstExactSolutions:
         curve = press(upper, lower, [1e-3], direction=[angle, angle + 180])
         theta = math.atan(slope)
         assert_close(curve.friction_coefficient(mu0=mu0)[0], math.tan(theta + math.atan(mu0)), ROUND_OFF)
-        assert curve.friction_coefficient(mu0=mu0)[1, 0] == 0  # the slope of this contact assists the motion
-        # Move up and down the slope, with friction at all contacts.
+        assert curve.friction_coefficient(mu0=mu0)[1, 0] == 0
         curve_of_both_directions = press(upper, lower, [1e-3], direction=[angle, angle + 180], sliding="all")
         assert_close(
             curve_of_both_directions.friction_coefficient(mu0=mu0)[0], math.tan(theta + math.atan(mu0)), ROUND_OFF
@@ -307,8 +304,7 @@ class TestSurfaceScalingAndSymmetry:
             for rule in ("opposing", "all")
         }
         opposing_curve, curve_with_all_contacts = curves["opposing"], curves["all"]
-        # Each contact opposes only one of two opposite directions. Elastic loads change sign with the direction, and
-        # friction does not.
+        # Elastic loads change sign with the direction, and friction does not.
         assert_close(
             opposing_curve.tangential_elastic[0] - opposing_curve.tangential_elastic[1],
             curve_with_all_contacts.tangential_elastic[0],
@@ -352,7 +348,6 @@ class TestSurfaceScalingAndSymmetry:
         contact_candidates = candidates(
             Surface(heights * 0.1, spacing=0.1), Surface(np.zeros((size, size)), spacing=0.1), deepest=0.05
         )
-        # The expected minima are 16 points apart, except on the edges.
         assert len(contact_candidates) == 18**2
         assert np.allclose(
             np.round(contact_candidates.position[:, :2] / 1.6), contact_candidates.position[:, :2] / 1.6, atol=1e-3
@@ -377,7 +372,6 @@ class TestContactLawsOnMaps:
             expected = force_and_area(law, overlap=table.overlap[i], radius=table.radius[i])
             assert_close((table.force[i], table.area[i]), expected, ROUND_OFF)
         assert np.allclose(table.radius, np.sqrt(table.radii.prod(axis=1)), rtol=ROUND_OFF)
-        # The contact patch has the shape of the Hertz ellipse and the area that the contact law gives.
         assert np.allclose(np.pi * table.axes.prod(axis=1), table.area, rtol=ROUND_OFF)
         assert np.allclose(
             table.axes[:, 1] / table.axes[:, 0], elastic_table.axes[:, 1] / elastic_table.axes[:, 0], rtol=1e-9
@@ -419,9 +413,7 @@ class TestValidityIndicators:
         root = np.linalg.inv(np.linalg.cholesky(np.eye(2) + np.outer(p, p)))
         _, vectors = np.linalg.eigh(root @ gap_spline.hessian([x], [y])[..., 0] @ root.T)
         u, v = (root.T @ vectors).T
-        a, b, _ = areal.compute_semi_axes(
-            *table.radii[i], table.overlap[i]
-        )  # a sum over the complete ellipse, including the part beyond the edge of the map
+        a, b, _ = areal.compute_semi_axes(*table.radii[i], table.overlap[i])
         return np.array([x, y]) + np.outer(np.cos(angles), a * u) + np.outer(np.sin(angles), b * v)
 
     @staticmethod
@@ -445,8 +437,7 @@ class TestValidityIndicators:
         assert curve.contact_count.tolist() == [1, 1, 1]
         assert curve.validity.share_at_edge.tolist() == [0, 1, 1]
         assert curve.validity.share_crossed.tolist() == [0, 0, 0]
-        # The map edge cuts the contact at h radii from its centre.
-        # The expected fractions are those of a hemisphere of pressure and of a disc.
+        # The expected fractions are those of a hemisphere of pressure and of a disc, cut at h radii from the centre.
         h = np.minimum(1, np.sqrt(0.2 / overlap))
         inner_fractions = (2 + 3 * h - h**3) / 4, 1 - (np.arccos(h) - h * np.sqrt(1 - h**2)) / np.pi
         force, area = (
@@ -478,7 +469,6 @@ class TestApproachAtLoad:
             approach = approach_at_load(upper, lower, loads, mu0=0.3, **choices)
             curve = press(upper, lower, approach, **choices)
             assert_close(curve.normal_load(mu0=0.3), loads, 1e-9)
-        # The contact of a ball on a flat has the values of Hertz theory.
         ball = surface_from_function(lambda x, y: -((x - 0.807) ** 2 + (y - 0.604) ** 2) / 2)
         flat = Surface(np.zeros_like(ball.heights), spacing=0.02)
         contact_gap = -ball.heights.max()
@@ -577,7 +567,6 @@ class TestInvalidArguments:
 
 class TestGridRefinement:
     def test_areal_load_curve_converges_as_the_grid_is_refined(self):
-        # Heights of one analytical surface are sampled on grids of different spacing.
         # First contact is defined by grid points, so approaches on two grids differ by an offset.
         results_by_points = {}
         for points in (1024, 512, 256):
@@ -623,7 +612,6 @@ class TestSmallSlopeSurfaces:
                 7, rms=0.02, shape=(256, 256), spacing=1 / 16, shortest_wavelength=0.7, longest_wavelength=4.0,
                 repetition=repetition,
             )  # fmt: skip
-            # The rms slope of the gap along one direction follows from its Fourier coefficients.
             wave = 2j * np.pi * np.fft.fftfreq(256, 1 / 16)
             gap = np.fft.fft2(upper.heights - lower.heights)
             mean_square_slope += sum(np.mean(np.abs(np.fft.ifft2(gap * w)) ** 2) for w in (wave, wave[:, None])) / (
@@ -642,7 +630,6 @@ class TestSmallSlopeSurfaces:
             jackknife_error = math.sqrt((num_pairs - 1) * np.var(jackknife_values))
             # The tolerance is a 95 % interval with 15 degrees of freedom, plus a term of second order in the slope.
             assert abs(mean - expected[rule]) < 2.13 * jackknife_error + mean_square_slope
-        # Without adhesion, friction at all contacts is mu0 for each pair of surfaces.
         curve_with_all_contacts = press(upper, lower, [0.03], direction=[0, 90, 180, 270], sliding="all")
         assert abs(curve_with_all_contacts.friction_coefficient(mu0=mu0).mean() - mu0) < mean_square_slope
 
@@ -768,7 +755,6 @@ def test_load_curve_of_flat_valleys_is_unchanged_by_rotation_mirroring_and_excha
 
 
 def test_grid_minima_on_the_level_floor_of_a_valley_are_counted_as_unresolved():
-    # The map has a trench with a level floor next to a pit with a round bottom.
     y, x = np.meshgrid(np.arange(40), np.arange(60), indexing="ij")
     upper = -0.05 * (np.abs(x - 15) <= 6) - 0.06 * np.maximum(0, 1 - ((x - 45) ** 2 + (y - 20) ** 2) / 100)
     curve = press(Surface(upper, spacing=0.1), Surface(np.zeros_like(upper), spacing=0.1), [0.058])
@@ -783,7 +769,6 @@ def test_summits_in_contact_with_a_flat_surface_are_classified_as_convex():
         np.add.outer(*(0.0003 * np.arange(size) for size in upper.heights.shape)),
     ):
         body = Surface(flat, spacing=upper.spacing)
-        # The minima of the gap to a plane are convex summits, so both curvature requirements count the same contacts.
         for bodies in ((body, lower), (upper, body)):
             convex, signed = (press(*bodies, [0.1, 0.3], curvature=name) for name in ("convex", "signed"))
             assert convex.contact_count.tolist() == signed.contact_count.tolist()
@@ -791,7 +776,6 @@ def test_summits_in_contact_with_a_flat_surface_are_classified_as_convex():
 
 
 def test_areal_contact_candidates_include_every_minimum_of_the_gap():
-    # The roughness extends down to the grid spacing, with many small minima near saddles.
     upper, lower = create_rough_surfaces(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
     gap = upper.heights - lower.heights
     max_approach = 2 * np.ptp(gap)
@@ -822,7 +806,6 @@ def test_normal_tangential_and_lateral_loads_equal_sums_over_the_contacts():
 
 
 def test_load_fraction_of_overlapping_contact_ellipses_is_reported():
-    # The surface has two adjacent summits, whose contact ellipses meet, and a distant summit.
     def bump_height(x, y):
         centres = ((0.6, 0.6, 0.0), (0.8, 0.6, 0.0), (2.0, 0.6, 0.0))
         return np.max([h - ((x - cx) ** 2 + (y - cy) ** 2) / 0.4 for cx, cy, h in centres], axis=0)
@@ -838,7 +821,6 @@ def test_load_fraction_of_overlapping_contact_ellipses_is_reported():
 
 
 def test_load_on_a_valley_longer_than_the_map_tends_to_the_load_of_a_line_contact():
-    # The less a valley is bowed, the longer its contact ellipse, which becomes a line contact within the map.
     y, x = np.meshgrid((np.arange(41) - 20.3) * 0.05, (np.arange(81) - 40.3) * 0.02, indexing="ij")
     flat = Surface(np.zeros_like(x), spacing=(0.05, 0.02))
     load = []
@@ -847,8 +829,7 @@ def test_load_on_a_valley_longer_than_the_map_tends_to_the_load_of_a_line_contac
         curve = press(flat, body, [0.02])
         assert (curve.contact_count[0], curve.validity.share_at_edge[0]) == (1, 1)
         load.append(curve.normal_elastic[0])
-        # The expected line contact has the length l and the pressure in the middle of the ellipse.
-        # Its half-width b is that of a cylinder of radius 1.
+        # The line contact has the peak pressure of the ellipse, and the half-width b of a cylinder of radius 1.
         overlap = 0.02 - body.heights.max()
         a, b, integral_k = areal.compute_semi_axes(bow, 1.0, overlap)
         peak_pressure = 10 * overlap / integral_k / b  # 3 F / (2 π a b)

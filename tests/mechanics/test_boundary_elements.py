@@ -14,7 +14,7 @@ from stiction import westergaard_contact_fraction
 
 pytestmark = pytest.mark.docs
 WAVELENGTH, AMPLITUDE = 1.0, 0.01
-# mean pressure at which a sinusoid is in full contact (Westergaard's p*)
+# Westergaard's p*.
 FULL_CONTACT_PRESSURE = np.pi * EFFECTIVE_MODULUS * AMPLITUDE / WAVELENGTH
 FRACTION_INDEX, COUNT_INDEX, STIFFNESS_INDEX = range(3)
 
@@ -40,7 +40,7 @@ def test_boundary_element_solution_agrees_with_westergaard_solution(relative_pre
     random, pressure = np.random.default_rng(7), relative_pressure * FULL_CONTACT_PRESSURE
     half_spaces = [PeriodicHalfSpace(sinusoid_heights(256, shift), WAVELENGTH) for shift in random.random(20)]
     fraction, _, gap = np.mean([half_space.solve(pressure) for half_space in half_spaces], axis=0)
-    assert fraction == pytest.approx(float(exact_contact_fraction(pressure)), abs=0.2 / 256)  # points
+    assert fraction == pytest.approx(float(exact_contact_fraction(pressure)), abs=0.2 / 256)
     # The mean gap decreases by Δ r (1 - ln r), r = p̄/p*, which is the integral of the stiffness π E* / (λ ln 1/r).
     assert gap == pytest.approx(
         AMPLITUDE * (1 - relative_pressure * (1 - np.log(relative_pressure))), abs=1e-5 * AMPLITUDE

@@ -84,8 +84,7 @@ class TestAgainstContactMechanicsPackage:
         assert math.pi * contact_radius**2 == pytest.approx(float(area), rel=REORDERING_TOLERANCE)
 
     def test_westergaard_contact_fraction_agrees_with_the_contactmechanics_library(self, reference_modules):
-        # ContactMechanics gives the half-width of the contact in wavelengths.
-        # Its pressure is in units of π E* Δ / λ, where 2Δ is the total height of the sinusoid.
+        # ContactMechanics gives the half-width in wavelengths, for pressures in units of π E* Δ / λ (total height 2Δ).
         pressures = np.linspace(0.01, 0.99, 20)
         contact_fraction = westergaard_contact_fraction(
             pressures * math.pi, amplitude=1.0, wavelength=1.0, effective_modulus=1.0
@@ -117,7 +116,6 @@ def test_asperity_model_of_a_sinusoid_tends_to_westergaard_solution_at_light_loa
 
 class TestWeierstrassMandelbrotMoments:
     def test_exact_spectral_moments_equal_mean_moments_of_many_profiles(self):
-        # The grid resolves all frequencies of the profiles, and each frequency has many periods.
         shape = {"directions": 10, "frequencies": 6}
         exact_moments = weierstrass_mandelbrot_moments(1.4, **shape)
         moment_sums = np.zeros(3)

@@ -26,7 +26,6 @@ CONTACT_SUM_NAMES = (
 )  # fmt: skip
 
 # Tolerances for a slow reference, which uses another spline solver and another order of operations.
-# Round-off moves the minima of the gap, most where the gap is flat.
 REFERENCE_TOLERANCES = {"cell": 1e-9, "gap-minimum": 1e-7}
 REFERENCE_FUNCTIONS = {"cell": pressing.find_contacts, "gap-minimum": pressing.find_contacts_at_minima}
 # The curvature of a spline on a circle has an error of second order in spacing / radius, which is 1e-3 here.
@@ -105,7 +104,6 @@ class TestProfilesAgainstExactSolutions:
             contact_gap = (upper.heights - lower.heights).min()
             for approach in (1e-4, 1e-3, 1e-2):
                 # The lower apex is at height 0, and the upper apex is lowered beyond first contact.
-                # The array contains the components of the vector between the centres.
                 centre_distance = np.array([apexes[0] - apexes[1], radii[0] + radii[1] - contact_gap - approach])
                 overlap = sum(radii) - np.hypot(*centre_distance)
                 radius = radii[0] * radii[1] / sum(radii)
@@ -137,8 +135,7 @@ class TestProfilesAgainstExactSolutions:
         upper = create_circular_arc(1.0307, 2.0, 0.002, 1000, "upper")
         lower = create_circular_arc(0.9411, 3.0, 0.002, 1000, "lower")
         curve = press(upper, lower, [0.0, 1e-3])
-        # The arcs first touch between grid points.
-        # Contact points may therefore overlap by less than the height difference within a cell.
+        # The arcs first touch between grid points, so contacts may overlap by the height difference within a cell.
         assert curve.contact_area[0] < 1e-3 * curve.contact_area[1]
 
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
@@ -160,14 +157,12 @@ class TestProfilesAgainstExactSolutions:
         assert theta > 0.01
         coefficient = curve.friction_coefficient(mu0=mu0)[:, 0]
         assert_close(coefficient, np.tan(theta + np.arctan(mu0)), ROUND_OFF)
-        # Adhesion adds tau0 A to mu0 F. The force triangle is the same, with a larger friction angle.
         tau0 = 0.2
         coefficient_with_adhesion = mu0 + tau0 * table.area[0] / table.force[0]
         coefficient = curve.friction_coefficient(mu0=mu0, tau0=tau0)[:, 0]
         assert_close(coefficient, np.tan(theta + np.arctan(coefficient_with_adhesion)), ROUND_OFF)
         pressure = table.force / table.area
         assert_close(coefficient, slope_friction(theta, mu0=mu0, tau0=tau0, mean_pressure=pressure), ROUND_OFF)
-        # In the reverse direction, no contact opposes the motion.
         assert press(upper, lower, [1e-3], shear="-x").friction_coefficient(mu0=0.4).tolist() == [0]
 
     @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])
@@ -181,7 +176,6 @@ class TestProfilesAgainstExactSolutions:
         plane = Profile(1.0 + slope * ball.x, spacing=spacing)
         upper, lower = (plane, ball) if is_ball_below else (ball, plane)
         contact_gap = (upper.heights - lower.heights).min()
-        # After the approach, `height` is the height of the ball centre, which determines the overlap with the plane.
         height = 1.0 + slope * 10.003 + (-contact_gap - 1e-3) * (1 if is_ball_below else 0)
         centre = -radius if is_ball_below else radius - contact_gap - 1e-3
         overlap = radius - abs(height - centre) / math.hypot(1, slope)
@@ -224,7 +218,6 @@ class TestProfilesAgainstExactSolutions:
 
     def test_contact_on_a_steep_flank_is_self_locked(self):
         # The profiles have two triangular teeth, rounded by the spline, with flanks of 60 degrees.
-        # At mu0 = 1, mu0 tan θ exceeds 1.
         x = np.arange(400) * 0.01
         lower = Profile(-np.sqrt(3) * np.sqrt((x - 2.0013) ** 2 + 0.01), spacing=0.01)
         upper = Profile(np.sqrt(3) * np.sqrt((x - 1.6) ** 2 + 0.01), spacing=0.01)
@@ -457,7 +450,7 @@ class TestProfileContactArguments:
     @pytest.mark.parametrize(
         ("effective_modulus", "tau0", "words"),
         [
-            (1.5e-3, 0.3e-3, None),  # accepted: rubber on glass, with tau0 = 0.3 MPa and E* = 1.5 MPa
+            (1.5e-3, 0.3e-3, None),
             (1.5e-3, 1.4e-3, None),
             (1.5e-3, 0.3, "tau0 = 300 MPa is above the effective modulus 1.5 MPa; was it meant in kPa?"),
             (100.0, 9.0, None),

@@ -95,7 +95,7 @@ def test_half_space_pressure_agrees_with_a_dense_matrix_calculation(shape, bound
 @pytest.mark.parametrize("relative_load", [0.02, 0.3])
 def test_missing_points_have_neither_pressure_nor_gap(shape, boundary, hardness, relative_load):
     body = periodic_body(shape, longest=1, shortest=5)
-    is_missing = np.zeros(shape, bool)  # The summit and a quarter of all points are missing.
+    is_missing = np.zeros(shape, bool)
     is_missing[tuple(slice(n // 2) for n in shape)] = is_missing[np.unravel_index(body.heights.argmax(), shape)] = True
     lower = type(body)(body.heights, spacing=body.spacing, missing=is_missing)
     load, spacing = relative_load * EFFECTIVE_MODULUS * 0.05, np.array([1 / n for n in shape])
@@ -224,7 +224,6 @@ def test_westergaard_pressure_and_gap_and_contact_fraction_agree_with_each_other
         gap = westergaard_gap(x, load, **wave_arguments)
         assert (gap[p > 0] == 0).all()
         assert (gap[p == 0] >= 0).all()
-    # Without load the gap is the sinusoid itself.
     np.testing.assert_allclose(westergaard_gap(x, 1e-12, **wave_arguments), 0.01 * (1 - np.cos(np.pi * x)), atol=1e-9)
 
 
@@ -269,8 +268,7 @@ def test_elliptic_hertz_contact_tends_to_sphere_contact_and_line_contact():
     # Across a long ellipse the pressure is that of a line contact. The load per length is 3 F/(4 a).
     half_width, _ = hertz_line(3 * force / (4 * a), 1.0, EFFECTIVE_MODULUS)
     np.testing.assert_allclose(b, half_width, rtol=1e-6)
-    # A curvature ratio of 5 gives a ratio of semi-axes of 0.346.
-    # The area is 0.968 times that of the equivalent sphere, and the force is 1.0536 times that of the sphere.
+    # A curvature ratio of 5 gives 0.968 times the area and 1.0536 times the force of the equivalent sphere.
     force, area, (a, b) = hertz_ellipse(0.01, 5.0, 1.0, EFFECTIVE_MODULUS)
     sphere = hertz_sphere(0.01, 5.0**0.5, EFFECTIVE_MODULUS)
     np.testing.assert_allclose([b / a, area / sphere[1], force / sphere[0]], [0.346, 0.9680, 1.0536], atol=5e-4)
@@ -452,7 +450,7 @@ def test_half_space_accepts_arbitrarily_low_hardness(shape, boundary, ratio):
     curve = half_space(flat_like(lower), lower, loads, boundary=boundary, hardness=hardness)
     assert (curve.error <= 1e-6).all()
     assert (curve.load / curve.contact_area <= hardness * (1 + ROUND_OFF)).all()
-    assert (np.diff(curve.contact_area) >= 0).all()  # Areas are equal only in complete contact.
+    assert (np.diff(curve.contact_area) >= 0).all()
     for index in range(loads.size):
         contact = curve.contact(index)
         assert (contact.share >= contact.pressure / hardness).all()
@@ -485,7 +483,6 @@ def test_half_space_pressure_with_hardness_agrees_with_the_tamaas_library():
     tamaas_pressure = np.array(model.traction).reshape(n, n)
     curve = half_space(flat_like(lower), lower, [load], boundary="periodic", hardness=hardness, tolerance=1e-9)
     assert 0 < curve.load_share_at_hardness[0] < 1
-    # The tolerance of 1e-4 includes the error of the tamaas solution.
     assert np.abs(curve.contact(0).pressure - tamaas_pressure).max() < 1e-4 * hardness
 
 

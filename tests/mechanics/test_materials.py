@@ -27,7 +27,6 @@ def test_material_values_are_physically_possible_and_have_sources(listed_materia
     for value in (value for value in values if value is not None):
         assert 0 < value.low <= value <= value.high
         assert float(value) == pytest.approx(math.sqrt(value.low * value.high), rel=ROUND_OFF)
-        # Each source is a publication with its year, a standard, or a web page.
         assert re.search(r"\(?\b(19|20)\d\d\b|SAE J431|\(web\)", value.source), value.source
     assert (listed_material.hardness is None) == (listed_material.kind == "elastomer")
     if listed_material.hardness is None:

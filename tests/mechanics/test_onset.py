@@ -76,9 +76,7 @@ def test_onset_of_sliding_of_a_ball_equals_cattaneo_mindlin_solution(ball_curve_
         )
         assert onset.stiffness == pytest.approx(2 * EFFECTIVE_MODULUS * radius / ratio, rel=MINDLIN_TOLERANCE)
         stick_radius = radius * np.sqrt(1 - onset.slipped_area)
-        assert (
-            np.abs(stick_radius - radius * stick_radius_ratio).max() < 1 / 96
-        )  # The radius of the stick zone is accurate to one grid cell.
+        assert np.abs(stick_radius - radius * stick_radius_ratio).max() < 1 / 96
         assert np.abs(onset.slipped_load - (1 - stick_radius_ratio**2) ** 1.5).max() < 0.01
         # The energy loss follows Johnson, Contact Mechanics (1985), eq. 7.57.
         energy_loss = 24 / 5 * (1 - (1 - load_fractions) ** (5 / 3)) - 4 * load_fractions * (
@@ -147,7 +145,6 @@ def test_stick_area_of_an_elliptical_contact_is_a_similar_ellipse():
     for i, stick_axis_ratio in enumerate((1 - load_fractions) ** (1 / 3)):
         is_sticking = ((pressure > 0) & (onset.traction(i) < 0.2 * pressure)).reshape(128, 128)
         for axis, semi_axis in enumerate(axes):
-            # The tolerated error is one grid cell at each end of the stick zone.
             assert abs(is_sticking.any(axis=1 - axis).sum() / 2 - stick_axis_ratio * semi_axis * 128) <= 1
 
 
@@ -289,7 +286,6 @@ def test_onset_displacement_and_slipped_area_increase_with_tangential_load(half_
     onset = half_space_curve.onset(0, mu0=0.3, tau0=0.02, steps=40)
     for name in ("tangential_load", "displacement", "slipped_area", "slipped_load"):
         assert (np.diff(getattr(onset, name)) >= 0).all(), name
-    # The ratio of tangential load to displacement decreases as the load increases.
     assert (np.diff(onset.displacement / onset.tangential_load) > 0).all()
     assert (np.diff(onset.energy_lost(onset.tangential_load)) >= 0).all()
     bound = onset.traction(-1)
@@ -458,7 +454,6 @@ def test_surfaces_in_full_contact_have_no_displacement_before_a_point_slips(shap
     onset = curve.onset(0, mu0=0.2, steps=fractions)
     assert onset.displacement[:8].tolist() == [0.0] * 8
     assert (np.diff(onset.displacement[7:]) > 0).all()
-    # Each displacement above 0 determines the tangential load, which exceeds the load of the first slip.
     at_displacement = curve.onset(0, mu0=0.2, displacements=onset.displacement[8:])
     np.testing.assert_allclose(at_displacement.tangential_load, onset.tangential_load[8:], rtol=1e-5)
 
@@ -566,7 +561,6 @@ def test_onset_of_sliding_of_many_asperities_is_the_sum_over_their_contacts(bodi
     assert lightly_loaded_onset.tangential_load[0] / lightly_loaded_onset.displacement[0] == pytest.approx(
         onset.stiffness, rel=1e-3
     )
-    # Each patch slips separately, and all patches are displaced with the upper body.
     slip_loads = onset.slip_load()
     assert (np.sort(slip_loads)[:-1] <= onset.sliding_load).all()
     assert np.isfinite(slip_loads).all()
@@ -626,12 +620,10 @@ def test_iwan_and_lugre_fits_recover_their_parameters():
         result = fit_iwan(displacement, true_model.load(displacement), **known_values)
         assert np.abs(result.residual).max() < 1e-8
         assert (result.chi, result.beta) == pytest.approx((chi, beta), rel=1e-4)
-        # The curve of an Iwan model ends at the sliding load F_S without a jump, and its stiffness decreases.
         sliding_displacement = true_model.displacement_at_sliding
         assert true_model.load(sliding_displacement) == 2.0
         assert true_model.load(sliding_displacement * (1 - 1e-9)) == pytest.approx(2.0, rel=1e-6)
-        # The expected energy is the sum over Segalman's springs.
-        # Each slipping spring dissipates four times the product of its strength and its slip per cycle.
+        # Each slipping spring of Segalman's model dissipates four times its strength times its slip per cycle.
         edges = np.linspace(0, 1, 200_001) ** 3 * sliding_displacement
         slip_displacements, strengths = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges ** (chi + 1))
         strengths *= 3.0 / (1 + beta) / strengths.sum()

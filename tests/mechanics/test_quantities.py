@@ -127,7 +127,7 @@ def test_stored_variables_have_the_dimensions_and_dtypes_listed_in_the_table_of_
 def test_variables_at_a_load_have_the_dimensions_listed_in_the_table_of_quantities(results_at_loads):
     for title, dataset in results_at_loads.items():
         for name in map(str, dataset.data_vars):
-            if name == "status":  # The status is that of the coefficient of friction, not of the contact.
+            if name == "status":
                 assert normalize_dims(name, dataset) == normalize_dims("friction_coefficient", dataset)
             else:
                 # The mean load depends on the sliding rule, mu0 and tau0, and so do all quantities at this load.

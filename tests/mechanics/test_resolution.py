@@ -89,7 +89,6 @@ def test_results_at_a_shorter_cutoff_lie_between_plastic_limit_and_results_at_lo
     )
     assert min_area_fraction == pytest.approx(load / 4.0 / (128 * 0.04) ** 2, rel=ROUND_OFF)
     assert min_friction == pytest.approx(0.2 + 0.2 / 4.0, rel=ROUND_OFF)
-    # Each result at a shorter cutoff lies between the plastic limit and the result at a longer cutoff.
     for finer_index in range(area.size):
         assert (area[finer_index] >= min_area_fraction * (1 - EDGE_TOLERANCE)).all()
         assert (area[finer_index] <= area[finer_index:] * (1 + EDGE_TOLERANCE)).all()
@@ -163,7 +162,7 @@ def test_yielding_wavelengths_are_tabulated_for_several_hardnesses_if_hardness_i
     assert result.contact_area[0, 0] < result.contact_area[1, 0]
     assert result.hardness.size > 3
     lengths = result.plastic_wavelength[:, 0].sel(statistic="value").values
-    assert (np.diff(lengths) <= 0).all()  # Harder bodies yield at shorter wavelengths.
+    assert (np.diff(lengths) <= 0).all()
     wavelength_at_4_gpa = float(resolution_result.plastic_wavelength.sel(statistic="value")[0, 0])
     wavelength_at_5_gpa, wavelength_at_2_gpa = (
         float(result.plastic_wavelength.sel(hardness=h, statistic="value")[0]) for h in (5.0, 2.0)
@@ -181,7 +180,6 @@ def test_rms_slope_at_the_longest_yielding_wavelength_corresponds_to_the_hardnes
     roughness = scale_dependent_roughness(gap, periodic=True)
     value, lower_wavelength, upper_wavelength = result.plastic_wavelength[0, 0].values
     assert lower_wavelength <= value <= upper_wavelength
-    # The scan resolves a wavelength of this length.
     assert float(roughness.gradient_at(value)) == pytest.approx(kappa * 4.0 / 115.0, rel=1e-6)
     # κ agrees only within a factor, because the pair has few contacts.
     curve = half_space(upper, lower, [load], effective_modulus=115.0, boundary="periodic")

@@ -100,7 +100,7 @@ def test_sawtooth_slides_downhill_after_the_tips_have_passed_each_other():
 
 def test_sawtooth_faces_with_steep_teeth_lock():
     x = np.arange(512) / 512
-    steep_face = Profile(100 * np.abs(x % 0.25 - 0.125), spacing=100 / 512)  # teeth with flanks of 45 degrees
+    steep_face = Profile(100 * np.abs(x % 0.25 - 0.125), spacing=100 / 512)
     result = run_shear_test(steep_face, path="5 um", steps=2, mu0=1.5, boundary="periodic")
     assert list(result.status.values) == ["ok", "self-locked", "self-locked"]
     assert result.attrs["peak_status"] == "self-locked"
@@ -407,7 +407,6 @@ def test_dilation_and_closure_have_no_interval_if_no_uncertain_input_affects_the
     for name in ("dilation", "closure"):
         assert f"{name}_interval" not in result
     assert "dilation_interval" in by_hardness
-    # The same is true if the contact has no solution at one displacement and no stiffness at one stress.
     test = run_shear_test(create_rough_map(), **options | {"mu0": 0.6}, hardness="200 MPa")
     test["dilation"][-1] = test["closure_stiffness"][-1] = np.nan
     mu0, probabilities = np.linspace(0.58, 0.62, 64), (np.arange(64) + 0.5) / 64
@@ -470,7 +469,6 @@ def test_strips_of_a_shear_test_are_parallel_to_the_motion():
     ridges = Surface(np.tile(5 * np.cos(2 * x) + np.cos(9 * x + 1), (128, 1)), spacing=1000 / 128)
     options = {"path": "100 um", "steps": 2, "mu0": 0.6, "hardness": "500 MPa"}
     result_along_ridges = run_shear_test(ridges, **options)
-    # Equal strips have no scatter.
     assert (
         result_along_ridges.attrs["peak_upper"] - result_along_ridges.attrs["peak_lower"]
         < 0.05 * result_along_ridges.attrs["peak"]

@@ -67,7 +67,6 @@ def test_spectral_estimate_for_a_surface_on_a_flat_assumes_zero_slope_of_the_fla
     upper = measure_roughness_of_bodies(create_rough_surfaces(64))[0]
     result = spectral_resolution(upper, None, **PAIR_OPTIONS)
     assert result.rms_gradient.values == pytest.approx(upper.gradient_at(result.wavelength))
-    # The flat has no slope, so contacts on it are level.
     friction_at_opposing, friction_at_all_contacts = (
         result.friction_coefficient.sel(sliding=rule).values for rule in ("opposing", "all")
     )

@@ -102,7 +102,7 @@ class PeriodicAsperities:
         # The load is a convex, piecewise linear function of the approach, so Newton's method converges from above.
         for _ in range(100):
             _, overlap, _, force, area = self.find_contacts(approach)
-            stiffness = (force / overlap).sum()  # The load of each contact is proportional to its overlap.
+            stiffness = (force / overlap).sum()
             step = (force.sum() - load) / stiffness
             approach -= step
             if abs(step) < 1e-12 * self.height:

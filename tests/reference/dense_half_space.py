@@ -64,7 +64,6 @@ def compute_displacement(pressure, spacing, modulus, *, periodic):
         k = np.sqrt(sum(wave**2 for wave in waves))
         k.flat[0] = np.inf
         return np.fft.ifftn(np.fft.fftn(pressure) * 2 / (modulus * k)).real
-    # Positions of cell corners, for cells at distances of -n to n - 1 points.
     corners = [(np.arange(-n, n + 1) - 0.5) * step for n, step in zip(shape, spacing, strict=True)]
     if len(shape) == 1:
         (x,) = corners
@@ -72,7 +71,6 @@ def compute_displacement(pressure, spacing, modulus, *, periodic):
     else:
         y, x = np.meshgrid(*corners, indexing="ij")
         r = np.hypot(x, y)
-        # The integral of 1/r from the origin to a corner is an even function, up to the sign.
         x, y, sign = np.abs(x), np.abs(y), np.sign(x) * np.sign(y)
         integral = sign * (x * np.log((y + r) / x) + y * np.log((x + r) / y))
         influence = np.diff(np.diff(integral, axis=0), axis=1) / (np.pi * modulus)

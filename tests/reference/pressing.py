@@ -32,7 +32,7 @@ def find_contacts(upper, lower, spacing, approach, *, effective_modulus=10.0, si
     _, _, n_l, r_l = fit_spheres(lower, spacing, upper=False)
     rows = []
     for i in np.flatnonzero(gap <= approach):
-        height_above_lower = gap[i] - approach  # height of the upper point above the lower point
+        height_above_lower = gap[i] - approach
         if is_upper_flat or is_lower_flat:
             if is_upper_flat:
                 sphere_radius, centre = r_l[i], -r_l[i] * n_l[i]

@@ -20,7 +20,7 @@ def fuzz(kind, count, seed, fuzz_once):
     for i in range(count):
         try:
             outcome = fuzz_once(np.random.default_rng([seed, i]))
-        except Exception:  # Report every other exception as a fault.
+        except Exception:
             findings += 1
             print(f"{kind}, seed {seed}, input {i}:\n{traceback.format_exc()}", flush=True)
         else:

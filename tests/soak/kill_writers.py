@@ -85,7 +85,7 @@ class WriterKillTest:
         (directory / "s.toml").write_text(STUDY.to_toml())
         self.environment = os.environ | {"PYTHONPATH": str(directory / "site"), "storm": str(self.log_file)}
         self.known_files: dict[str, tuple[int, int]] = {}
-        self.checksums: dict[int, int] = {}  # checksum of each finished repetition
+        self.checksums: dict[int, int] = {}
         # repetitions that were finished when a command started, by the process id of the command
         self.finished_at_start: dict[int, frozenset[int]] = {}
         self.kills: collections.Counter[str] = collections.Counter()
@@ -160,7 +160,7 @@ class WriterKillTest:
                 if self.random.random() < 0.5:
                     self.kill("a worker of Dask", self.dask_processes.pop())
                     self.add_worker()
-                    time.sleep(self.random.uniform(0, 3))  # pause, during which another worker may start
+                    time.sleep(self.random.uniform(0, 3))
                 self.kill("--scheduler", process)
             case "parts":
                 part_processes = {i: self.start_command("--part", f"{i}/4", "--workers", "1") for i in range(1, 5)}

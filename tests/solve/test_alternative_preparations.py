@@ -369,7 +369,6 @@ def test_tip_correction_keeps_missing_points_and_features_that_the_tip_resolves(
     x = np.arange(81) * SPACING
     is_missing = np.zeros(x.size, bool)
     is_missing[7] = True
-    # A profile with peaks whose radius is 41 µm.
     smooth_profile = Profile(0.01 * np.cos(np.pi / 2 * x), spacing=SPACING, missing=is_missing)
     sharp_profile = sharpened(smooth_profile, 1.0, 3.0)
     np.testing.assert_array_equal(sharp_profile.missing, is_missing)

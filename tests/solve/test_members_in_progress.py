@@ -219,7 +219,7 @@ def test_progress_of_a_solution_rises_with_the_number_of_iterations(study):
     assert (np.diff(progress) > 0).all()
     assert progress[-1] < 2
     members.remove(range(1))
-    assert members.estimate_progress() == pytest.approx(0.75)  # both members had equal numbers of iterations
+    assert members.estimate_progress() == pytest.approx(0.75)
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
@@ -228,7 +228,7 @@ def test_progress_of_the_solution_of_a_pair_is_printed_without_a_terminal(study,
 
     def solve_slowly(*arguments, **options):
         solution = solve(*arguments, **options)
-        time.sleep(0.2)  # pause for many intervals between two lines of progress
+        time.sleep(0.2)
         return solution
 
     monkeypatch.setattr(ContactSolver, "contacts_at", solve_slowly)
@@ -236,7 +236,6 @@ def test_progress_of_the_solution_of_a_pair_is_printed_without_a_terminal(study,
     monkeypatch.setattr(runner, "PROGRESS_INTERVAL", 0.01)
     run(study, progress=True)
     lines = [line.removeprefix("progress: ") for line in capfd.readouterr().err.splitlines()]
-    # The lines have no count of positions, because there is only one position.
     percentages = [float(line.split()[0].rstrip("%")) for line in lines]
     assert lines[-1].startswith("100.0% after ")
     assert percentages == sorted(percentages)

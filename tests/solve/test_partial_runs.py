@@ -58,7 +58,6 @@ class RemoteExecutor(Executor):
             args = [
                 replace(arg, path=Path("/nowhere")) if isinstance(arg, SharedResultDirectory) else arg for arg in args
             ]
-            # This task is the method SharedResultDirectory.is_accessible.
             if isinstance(getattr(function, "__self__", None), SharedResultDirectory):
                 function = SharedResultDirectory(Path("/nowhere"), "").is_accessible
         return InlineExecutor().submit(function, *args)

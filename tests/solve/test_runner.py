@@ -321,8 +321,7 @@ def test_run_refreshes_its_claim_files_in_the_result_directory_while_it_computes
 
     executor = ExecutorThatAgesPartialFiles(tmp_path, wait_until_recent)
     run(with_repetitions(2), store=tmp_path / "result", executor=executor)
-    # The first task only tests whether the directory is accessible. Each task finds two claims, one on the directory
-    # and one on its blocks.
+    # The first task only tests the directory. Each task finds two claims, one on the directory and one on its blocks.
     assert len(executor.ages) > 1
     assert all(is_recent == [True, True] for is_recent in executor.ages)
     assert list(tmp_path.rglob("*.partial")) == []

@@ -141,7 +141,7 @@ def test_storing_a_result_preserves_all_bits_of_values_at_loads_without_solution
     arrays = {}
     for name, spec in layout.variable_specs(study).items():
         arrays[name] = np.ones(spec.shape, spec.dtype)
-        arrays[name][..., 0] = 0 if spec.dtype.kind == "i" else np.nan  # the first load step
+        arrays[name][..., 0] = 0 if spec.dtype.kind == "i" else np.nan
     stored_arrays = store.decode_members(store.encode_members(study, [0], arrays)).arrays
     for name, values in arrays.items():
         assert stored_arrays[name].tobytes() == values.tobytes(), name
@@ -197,7 +197,6 @@ def test_reading_one_variable_of_a_large_result_decodes_no_other_variable(
     ):
         assert_same_bits(piece_of_two_variables, expected)
         assert_same_bits(piece_of_one_variable, expected[["normal_elastic"]])
-    # A block that is removed, or replaced by a block of another shape, leads to an error that names the file.
     path = find_block_file(directory_copy, 8)
     path.write_bytes(find_block_file(directory_copy, 20).read_bytes())
     with pytest.raises(StoreError, match=rf"{path.name}: has normal_elastic with the shape .* instead of"):
@@ -375,9 +374,7 @@ def test_edited_study_file_in_a_directory_without_blocks_is_solved_but_not_overw
     run(edited_study, store=tmp_path)
     assert (tmp_path / STUDY_FILE).read_text() == text
     assert (tmp_path / STUDY_FILE).is_symlink() == (kind == "link")
-    with pytest.raises(
-        StoreError, match="written or edited by hand"
-    ):  # these studies differ only in their friction parameters
+    with pytest.raises(StoreError, match="written or edited by hand"):
         run(edited_study.with_changes({"friction.mu0": [0.3]}), store=tmp_path)
     assert (tmp_path / STUDY_FILE).read_text() == text
 
@@ -762,7 +759,6 @@ def test_run_of_another_study_is_rejected_while_a_run_uses_the_directory(tmp_pat
             with pytest.raises(StoreError, match=rf"is in use by another run.* remove {re.escape(str(claim_file))}"):
                 run(other_study, store=tmp_path)
             assert (tmp_path / STUDY_FILE).read_text() == study_text
-            # A run of the same study may share the directory.
             assert_same_bits(run(TINY_STUDY, store=tmp_path).dataset, uninterrupted_dataset)
         finally:
             executor.proceed.set()

@@ -13,7 +13,7 @@ from stiction.study.values import StudyError
 from support.command import check_stiction
 
 STUDY_TEXT = (Path(__file__).parent / "stored_studies/half-space_of_measured_areas.toml").read_text("utf-8")
-STUDY = parse_study(STUDY_TEXT, "stored")  # study of mild steel on brass, with junction growth and dwell times
+STUDY = parse_study(STUDY_TEXT, "stored")
 MODULUS_STUDY = STUDY.with_changes({"contact.effective_modulus": "80 GPa"})
 
 

@@ -46,7 +46,6 @@ INTERFACE_KINDS = ("measured", "lumped", "bound")
 MAX_SAMPLING_ERROR = 0.04
 """Largest error of an interval limit due to 4000 random samples, as a fraction of the interval width."""
 
-# Names of the coefficient with its combined interval, and of the coefficient with the interval of the mean.
 INTERVAL_NAMES = ("friction_combined", "mean_friction")
 PAIR_OPTIONS = {"load": "20 MPa", "effective_modulus": "3 GPa", "shifts": 4, "onset": 0}
 
@@ -128,7 +127,6 @@ def test_pair_function_samples_mu0_and_tau0_of_an_interface_jointly(film_file, r
     )
     (mu0,), (tau0,) = result.study.friction.mu0, result.study.friction.tau0
     uncorrelated_result = pair(*rough_surfaces(), mu0=mu0.text, tau0=tau0.text, **PAIR_OPTIONS)
-    # Mu0 and tau0 are sampled without correlation.
     assert np.ptp(uncorrelated_result.interval) > 1.2 * np.ptp(result.interval)
     assert "interface film (measured, friction at all contacts)" in result.sentence
 
@@ -169,7 +167,6 @@ def test_contributions_of_mu0_and_adhesion_are_summed_if_the_interface_does_not_
     assert "μ0 = " in result.sentence
     assert not any(f"{symbol} = " in unseparated_result.sentence for symbol in ("μ0", "τ0"))
     assert point_record(point)["contributions"] == point.contribution_terms
-    # Files with numbers for mu0 and tau0 have a note.
     note = f"the tests determine only μ0 + τ0 A/F = {sum_text}"
     record, separated_record = point_record(point), point_record(separated_point)
     assert (record["strengths_separated"], separated_record["strengths_separated"]) == (False, True)
@@ -280,9 +277,7 @@ def test_result_with_mu0_and_tau0_intervals_of_an_older_version_keeps_the_joint_
     assert reopened.study == stored_result.study
     assert (reopened.value, reopened.interval) == (stored_result.value, stored_result.interval)
     assert "which is missing" not in reopened.sentence
-    # The same command reuses the stored result.
     assert pair(*rough_surfaces(), **options).interval == stored_result.interval
-    # A file with other central values has changed.
     other_test = replace(test, coefficient=0.41)
     write_interface(calibrate([other_test]), tmp_path / "film")
     changed = open_result(tmp_path / "r")

@@ -63,7 +63,7 @@ def test_study_file_of_the_old_format_takes_input_ranges_from_material_names():
     ('hardness = "1.269 GPa"', 'hardness = "120 HV ± 10 %"', "120 HV ± 10 %"),
     ('hardness = "2 GPa"', 'hardness = "2 GPa"', "2 GPa"), ('hardness = "2 GPa"', "", "2 GPa"),
     ('hardness = "1.1 GPa"', 'hardness = "1 GPa ± 10 %"', "1.1 GPa (1 GPa ± 10 %)"),
-    ('hardness = "1 GPa"\nmaterials = ["steel", "brass"]', "", "1 GPa"),  # an entry that the user has specified
+    ('hardness = "1 GPa"\nmaterials = ["steel", "brass"]', "", "1 GPa"),
 ])  # fmt: skip
 def test_hardness_in_a_study_file_of_the_old_format_keeps_the_original_range(contact, known, text):
     assert parse_old_study(known, contact).contact.hardness.text == text

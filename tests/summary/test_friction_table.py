@@ -63,7 +63,6 @@ def test_friction_table_equals_means_over_directly_solved_pairs(dataset, table):
 
 
 def test_fitted_stiffness_law_is_undefined_if_the_approach_decreases_as_the_load_increases(dataset, table):
-    # With one negated approach, the approach no longer increases with the load.
     changed_dataset = dataset.copy(deep=True)
     changed_dataset["approach"].values[0, 0, 1] *= -1
     result = friction_table(changed_dataset)
@@ -76,7 +75,6 @@ def test_friction_table_has_smaller_areas_for_larger_slopes_and_more_friction_fo
     mean = table.sel(statistic="mean")
     for name in ("contact_area_fraction", "normal_stiffness", "approach"):
         assert (mean[name].diff("pressure") > 0).all(), name
-    # A larger rms slope reduces the contact area, and a larger tau0 increases friction.
     assert (mean["contact_area_fraction"].diff("rms") < 0).all()
     assert (mean["contact_area_fraction"].diff("hurst_exponent") > 0).all()
     assert (mean["friction_coefficient"].diff("tau0") > 0).all()
@@ -252,7 +250,6 @@ def test_table_command_starts_with_the_sliding_rule_of_the_interface(tmp_path, r
 
 
 def test_table_command_writes_the_joint_table_of_measured_profiles(tmp_path, monkeypatch):
-    # Fewer rows between computed loads, which saves time.
     monkeypatch.setattr("stiction.summary.joint_table.MAX_LOAD_RATIO", 4.0)
     write_profiles(tmp_path)
     options = ["--unit", "um", "--spacing", "0.02 um", "--upper", "steel", "--lower", "brass", "--hardness", "2 GPa"]

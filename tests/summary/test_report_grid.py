@@ -21,7 +21,6 @@ def test_sliders_of_a_report_include_mu0_and_tau0_of_the_study():
         SMALL_STUDY.with_changes({"friction.mu0": [0.37], "friction.tau0": ["3 MPa", "21 MPa"]})
     )
     assert {0.0, 0.37, 1.0} <= set(mu0.values)
-    # The report of generated surfaces contains no tau0 above its maximum.
     assert tau0.values.tolist() == [0.0, 0.003, 0.005, 0.01, 0.015, 0.02, 0.021]
     assert not any(axis.has_range.any() for axis in (mu0, tau0))
 

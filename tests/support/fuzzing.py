@@ -27,7 +27,6 @@ _FUZZED_STUDY_VALUES = [
     "{ start = 1.0, stop = 1.7, count = 3 }", '{ start = "0 nm", stop = "1 nm", count = 2 }', "1979-05-27", "0x10",
     '"cell"', '"gap-minimum"', '"hertz-cylinder"', '{ name = "jackson-green" }', "9" * 400, '"é"', "'''x'''",
 ]  # fmt: skip
-# Values that make a study small, so that accepted study files are computed quickly.
 _SMALL_STUDY_CHANGES = {
     "surfaces.points": "64",
     "surfaces.directions": "3",
@@ -89,7 +88,7 @@ def fuzz_study_file(random, directory):
     if study is not None and (
         study.surfaces.points * study.surfaces.fractal_dimensions().size * 80 > 1e6 or study.ensemble.repetitions > 100
     ):
-        return None  # do not run a study that would take too long
+        return None
     output = directory / "output"
     completed = call_stiction("run", path, "--output", output, "--workers", "1", cwd=directory)
     assert completed.returncode in (0, 2), (text, completed)
@@ -196,7 +195,6 @@ def fuzz_measurement_file(random, name, original, directory):
     outcome = "refused"
     for read_body in (stiction.read_profile, stiction.read_surface):
         with warnings.catch_warnings():
-            # FormatWarning is ignored, but every other warning is an error.
             warnings.simplefilter("ignore", stiction.FormatWarning)
             try:
                 body = read_body(path, **reader_options)

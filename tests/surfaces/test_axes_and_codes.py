@@ -147,7 +147,7 @@ def test_codes_for_missing_points_are_reported_with_their_number_of_occurrences(
 @pytest.mark.parametrize(
     ("codes", "reported"),
     [
-        ([2.2, 2.2, -2.2, -2.2], [-2.2, 2.2]),  # a number that occurs repeatedly
+        ([2.2, 2.2, -2.2, -2.2], [-2.2, 2.2]),
         ([-2.2, -2.2], [-2.2]),
         ([-9999], [-9999]),  # a well-known code, although it occurs only once
         ([32767, -32768], [-32768, 32767]),

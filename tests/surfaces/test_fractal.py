@@ -57,7 +57,6 @@ class TestFractalProfile:
     def test_fractal_profile_of_150000_points_equals_direct_sum(self, dimension, convention, band_limit):
         phases = random_phases(5, side="upper")
         profile = weierstrass_mandelbrot(phases, dimension, convention=convention, band_limit=band_limit)
-        # Points to compare: both ends, the points next to each restart of a recurrence, and some points in between.
         restart_indices = [np.arange(k - 3, k + 3) for k in (1024, 8192, 81_920)]
         indices = np.unique(np.concatenate([np.arange(5), *restart_indices, np.arange(7, 150_000, 3001), [149_999]]))
         expected = direct_sum.weierstrass_mandelbrot(
@@ -204,7 +203,6 @@ class TestFractalSurface:
 
 
 def test_height_variance_of_a_fractal_equals_half_of_the_sum_of_squared_amplitudes():
-    # The height variance is half the sum of squared amplitudes.
     # Directions m and M - m have independent phases, and direction m = M/2 has no harmonic.
     dimension, gamma = 1.2, 1.5
     weights = math.log(gamma) * gamma ** (-np.arange(40) * hurst_of_dimension(dimension, "paper"))
@@ -213,6 +211,5 @@ def test_height_variance_of_a_fractal_equals_half_of_the_sum_of_squared_amplitud
         np.var(weierstrass_mandelbrot(random_phases(8, repetition=r), dimension, points=20_000).heights)
         for r in range(60)
     ]
-    # The lowest frequencies of the 40 directions determine most of the height variance.
     # The variance of one profile scatters by about 10 %, so the mean over 60 profiles scatters by 1.3 %.
     assert np.mean(measured_variances) == pytest.approx(expected, rel=0.05)

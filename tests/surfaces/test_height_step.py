@@ -45,7 +45,7 @@ def test_unrounded_heights_have_no_rounding_step(machining, dimensions):
 def test_flat_scan_with_equal_spikes_has_no_rounding_step(shape):
     heights = np.zeros(shape)
     assert find_height_step(heights) == find_height_step(np.full(shape, np.nan)) == 0
-    heights[..., 5::17] = heights[..., 6::17] = 1.0  # pairs of equal spikes
+    heights[..., 5::17] = heights[..., 6::17] = 1.0
     assert find_height_step(heights) == 0
     assert find_height_step(np.array([1.0, 2.0])) == 0
 

@@ -114,7 +114,6 @@ class TestProfileHurstExponent:
             profile = weierstrass_mandelbrot(random_phases(1), dimension, points=50_000)
             result = estimate_hurst_exponent(profile, band=(0.005, 0.9))
             assert result.lower < 4 - 2 * dimension < result.upper
-            # The spectrum consists of separate lines, so it scatters more than a continuous spectrum.
             assert result.dispersion > 1
 
     def test_fitted_band_of_weierstrass_mandelbrot_profiles_ends_where_harmonics_separate(self):
@@ -210,7 +209,6 @@ class TestSurfaceHurstExponent:
         tilted_heights = surface.heights * 1e-4 + 0.3 * surface.x + 0.1 * surface.y[:, np.newaxis] + 7
         tilted_estimate = estimate_hurst_exponent(Surface(tilted_heights, spacing=0.5), band=(1.5, 15.0))
         assert tilted_estimate.value == pytest.approx(estimate.value, abs=1e-9)
-        # The fitted power law passes through the radial spectrum.
         radial = surface_spectrum(levelled(surface, "plane")).radial(20)
         is_in_band = (radial.wave_number > 2 * np.pi / 15) & (radial.wave_number < 2 * np.pi / 1.5)
         ratio = radial.density[is_in_band] / estimate.density(radial.wave_number[is_in_band])

@@ -15,9 +15,7 @@ from support import fuzzing
 
 random = np.random.default_rng(8)
 NUM_ROWS, NUM_COLUMNS = 7, 9
-HEIGHTS = np.round(
-    0.3 * random.normal(size=(NUM_ROWS, NUM_COLUMNS)).cumsum(axis=1), 4
-)  # All lines of the map differ, and the map has no symmetry.
+HEIGHTS = np.round(0.3 * random.normal(size=(NUM_ROWS, NUM_COLUMNS)).cumsum(axis=1), 4)
 HEIGHTS_WITH_HOLES = HEIGHTS.copy()
 HEIGHTS_WITH_HOLES[0, :2] = HEIGHTS_WITH_HOLES[3, 4] = np.nan
 LINE_HEIGHTS = np.round(0.3 * random.normal(size=60).cumsum(), 4)
@@ -392,7 +390,7 @@ def test_positions_in_wide_tables_are_not_read_as_heights(tmp_path):
         assert read_scan_or_none(path, **options) is None
         if columns[0] is not measured_positions:
             assert np.allclose(read_scan_or_none(path, columns=(0, 1), unit="um").heights, columns[1], atol=1e-4)
-    path.write_text(table_text(np.transpose([x, *profiles])))  # The first line of the text contains the positions.
+    path.write_text(table_text(np.transpose([x, *profiles])))
     assert read_scan_or_none(path, **options) is None
     path.write_text(table_text(profiles))
     assert read_scan_or_none(path, **options).heights.shape == (60, 12)

@@ -86,7 +86,7 @@ def test_hurst_exponents_of_all_lines_are_fitted_in_a_common_band():
 
 def test_flat_lines_contribute_to_the_rms_height_but_have_no_hurst_exponent():
     heights = np.array(surface_of_stacked_rows(0.6, lines=40).heights)
-    heights[::2] = 3.0 + 0.01 * np.arange(600)  # replace every second line by a straight line
+    heights[::2] = 3.0 + 0.01 * np.arange(600)
     result = line_roughness(Surface(heights, spacing=0.02), "x", band=(0.1, 2.0))
     assert result.Pq == pytest.approx(
         line_roughness(Surface(heights[1::2], spacing=0.02), "x").Pq / np.sqrt(2), rel=1e-9
@@ -145,7 +145,6 @@ def test_hurst_exponents_of_lines_along_both_axes_are_fitted_in_a_common_band(mo
     surface = two_scale_surface()
     roughness_x, roughness_y = lines_along_both(surface)
     assert roughness_x.band == roughness_y.band
-    # The band is specified, so each single line is fitted in it.
     single_axis_result = line_roughness(surface, "y", band=roughness_y.band)
     assert np.array_equal(single_axis_result.hurst_exponents, roughness_y.hurst_exponents)
     assert (single_axis_result.with_band, single_axis_result.misfit) == (roughness_y.with_band, roughness_y.misfit)
@@ -170,7 +169,6 @@ def test_power_law_misfit_is_near_1_for_a_power_law_spectrum_and_larger_for_a_be
         ],
         spacing=1.0,
     )  # fmt: skip
-    # The misfit includes leakage of the window and the scatter of 40 lines.
     assert line_roughness(straight_grooves, "x", band=(3.0, 60.0)).misfit < 1.15
     surface_with_roll_off = surface_of_stacked_rows(0.7, points=512, longest_wavelength=0.3)
     assert line_roughness(surface_with_roll_off, "x", band=(0.05, 3.0)).misfit > 1.5

@@ -76,7 +76,6 @@ def test_parameters_of_normally_distributed_heights_equal_closed_forms():
 
 
 def test_core_material_and_void_volumes_per_area_add_up_to_the_core_height(map_heights):
-    # The material volume and the void volume add up to the volume of the slab between the two heights.
     result = material_volumes(map_heights)
     upper, lower = heights_at_material_ratios(map_heights, [0.1, 0.8])
     assert result.core_material + result.core_void == pytest.approx(upper - lower, rel=1e-12)

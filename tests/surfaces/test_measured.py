@@ -286,7 +286,6 @@ def test_header_spacing_that_disagrees_with_the_positions_is_reported(write_file
     assert (
         "header and positions agree" in read_profile(write_file("Resolution,0.10 um/sample\n" + table_text)).history[1]
     )
-    # A resolution declared in the header may be that of the heights instead of the positions.
     assert "says" not in read_profile(write_file("Resolution,20 nm\n" + table_text)).history[1]
 
 
@@ -364,7 +363,6 @@ def test_matrix_with_positions_in_a_row_or_column_is_rejected(write_file):
     )
     heights_with_equal_row = heights.copy()
     heights_with_equal_row[0] = 0.5
-    # a plane with small roughness, like a scan before levelling
     tilted_heights = heights * 1e-3 + 0.3 * x + 0.1 * y[:, np.newaxis]
     for matrix in (heights, heights_with_equal_row, tilted_heights, x + y[:, np.newaxis]):
         path = write_file(create_npy_bytes(matrix), "a.npy")
@@ -432,8 +430,7 @@ def test_columns_can_be_selected_by_name_or_number(write_file):
 
 
 def test_rounded_positions_in_any_column_are_accepted_as_uniform(write_file):
-    # The positions have one decimal, and the first column has more decimals. Uniformity is judged by the digits of the
-    # positions.
+    # The uniformity of positions is judged by their own digits, not by the digits of the first column.
     true_positions = 0.156245 * np.arange(900)
     lines = "".join(f"{i}.123456,{x:.1f},{i % 7}.5\n" for i, x in enumerate(true_positions))
     profile = read_profile(write_file(lines), columns=(1, 2), unit="um")
@@ -457,7 +454,6 @@ def test_index_column_written_by_pandas_is_ignored(write_file, separator):
     surface = read_surface(write_file(pandas.DataFrame(heights).to_csv(sep=separator)), unit="um", spacing="1 um")
     assert np.array_equal(surface.heights, heights)
     assert surface.history[1] == "the first row and column, which number columns and rows, removed"
-    # A first column that does not contain row numbers contains data.
     assert "has 3 columns" in get_error_message(
         write_file(format_columns(POSITIONS, POSITIONS, HEIGHTS, header="index,x (um),z (um)\n"))
     )
@@ -894,7 +890,6 @@ def test_integers_in_an_x3p_file_are_multiplied_by_their_increment(write_file):
     assert "stores Z as integers, but has no Increment" in get_error_message(
         write_file(integers_without_increment, "a.x3p"), read_surface
     )
-    # Replacements that put all elements, instead of only the root element, into the XML namespace of X3P.
     default_namespace = [("<p:ISO5436_2 xmlns:p=", "<ISO5436_2 xmlns="), ("</p:ISO", "</ISO")]
     for increment in ("", "<Increment>0.0</Increment>"):  # Numbers with decimals need no increment.
         path = write_file(
@@ -1086,8 +1081,7 @@ def test_x3p_file_in_any_encoding_is_rejected_because_of_a_document_type_declara
 
 
 def test_x3p_archive_larger_than_required_by_its_number_of_points_is_not_unpacked(write_file):
-    # Two archives unpack to 50 MB instead of 432 bytes.
-    # One archive declares its true size, and the other archive declares a false size.
+    # Two archives unpack to 50 MB instead of 432 bytes. One declares its true size, the other a false size.
     well_declared_archive = create_x3p_archive(X3P_WITHOUT_CHECKSUM, bytes(50_000_000))
     misdeclared_archive = well_declared_archive.replace((50_000_000).to_bytes(4, "little"), (432).to_bytes(4, "little"))
     assert misdeclared_archive != well_declared_archive
@@ -1121,7 +1115,6 @@ def test_numbers_in_an_x3p_file_must_conform_to_xml_schema(write_file, number):
 
 
 def test_text_file_with_very_long_lines_is_read_quickly(write_file):
-    # Each line is scanned only once, whatever the number of possible separators.
     path = write_file("\n".join([",".join(["1.5", "2", "0"] * 10_000)] * 4), "a.csv")
     start_time = time.process_time()
     assert read_surface(path, unit="um", spacing="1 um").heights.shape == (4, 30_000)

@@ -56,7 +56,6 @@ def test_preparation_steps_and_file_formats_preserve_the_mask_of_missing_points(
         "480 missing points masked, 12 % of all points; "
         "the largest gap has 480 points, at x 3 µm to 5 µm, y 2 µm to 4.4 µm"
     )
-    # a surface in which the height 1 marks missing points
     marked_surface = Surface(np.where(is_missing, 1.0, np.arange(64.0) / 100), spacing=0.1)
     for transform in (flipped, lambda body: rotated(body, 270), lambda body: cropped(body, (1.0, 2.0), (5.0, 6.0))):
         assert np.array_equal(transform(scan).missing, np.abs(transform(marked_surface).heights) == 1)
@@ -77,9 +76,7 @@ def test_preparation_steps_and_file_formats_preserve_the_mask_of_missing_points(
     assert np.abs(height_differences).max() < 1e-12  # missing points have no weight in the fitted plane
     fine_surface = Surface(np.zeros((130, 130)), spacing=0.049)
     resampled_scan = on_common_grid(scan, fine_surface)[0].missing
-    y, x = (
-        0.049 * np.arange(points) for points in resampled_scan.shape
-    )  # A point is missing if a neighbour along an axis is missing.
+    y, x = (0.049 * np.arange(points) for points in resampled_scan.shape)
     assert np.array_equal(resampled_scan, np.outer((y > 1.9) & (y < 4.4), (x > 2.9) & (x < 5.0)))
     rotated_missing = rotated(scan, 30.0).missing
     assert rotated_missing.sum() == pytest.approx(is_missing.sum(), rel=0.25)
@@ -305,7 +302,7 @@ def test_nominal_area_excludes_missing_points_and_interpolated_points_add_a_cave
     ):
         options = READ_OPTIONS | PAIR_OPTIONS | rejected_options
         options.pop("onset")
-        with pytest.raises(ValueError, match=message):  # raised before anything is computed
+        with pytest.raises(ValueError, match=message):
             MeasuredPair.from_values(upper=scan_path, lower=scan_path, missing="mask", **options)
 
 

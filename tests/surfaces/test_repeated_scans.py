@@ -201,7 +201,7 @@ def test_tip_reconstruction_inverts_dilation_at_points_marked_as_certain(body):
     scan = type(body)(dilated_surface(body, radius), spacing=body.spacing)
     result, is_certain = tip_reconstructed(scan, radius)
     errors = result.heights - body.heights
-    assert errors.min() > -1e-12  # the reconstruction is nowhere below the surface
+    assert errors.min() > -1e-12
     assert np.abs(errors[is_certain]).max() < 1e-12
     assert 0.1 < is_certain.mean() < 0.9
     # The same tip would record the same scan from the reconstructed surface.

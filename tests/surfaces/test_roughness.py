@@ -148,7 +148,6 @@ def parameters_by_definition(surface):
     for j in range(rows - 1):
         for i in range(columns - 1):
             corners = [np.array([x * dx, y * dy, z[j + y, i + x]]) for y, x in ((0, 0), (0, 1), (1, 0), (1, 1))]
-            # Divide each mesh of four points into triangles in both possible ways.
             for a, b, c in ((0, 1, 2), (3, 1, 2), (1, 0, 3), (2, 0, 3)):
                 area += np.linalg.norm(np.cross(corners[b] - corners[a], corners[c] - corners[a])) / 4
     return {

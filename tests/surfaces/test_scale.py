@@ -180,7 +180,7 @@ class TestInstrumentLimit:
         surface = read_surface(find_measured_file("di-4.di"))
         result = instrument_limit(surface)
         assert result.reason == "noise floor"
-        assert math.isnan(result.noise_x)  # Along the fast axis of the scan there is no noise floor.
+        assert math.isnan(result.noise_x)
         assert result.noise_y == pytest.approx(6.37 * surface.spacing[0], rel=0.01)
         assert result.noise == result.wavelength == 0.125
         assert result.slope_fraction == pytest.approx(0.138, abs=0.001)
@@ -221,7 +221,7 @@ class TestInstrumentLimit:
         rough_profile = self_affine(3, hurst_exponent=0.8, rms=0.01, points=8192, spacing=0.1, longest_wavelength=100.0)
         frequency = np.fft.rfftfreq(8192, 0.1)
         transform = np.fft.rfft(rough_profile.heights)
-        transform[(frequency > 0.05) & (frequency < 0.12)] *= 30  # hump at wavelengths of 80 to 200 points
+        transform[(frequency > 0.05) & (frequency < 0.12)] *= 30
         assert instrument_limit(Profile(np.fft.irfft(transform, 8192), spacing=0.1)).reason == "pixels"
 
     def test_rounded_heights_have_an_instrument_limit_due_to_quantisation(self):
@@ -265,7 +265,6 @@ class TestMachinedTexture:
             for seed in range(30)
         ]
         assert not any(instrument_limit(profile).matters for profile in profiles)
-        # At the shorter feed, noise that contributes most of the mean square slope is still found.
         rng = np.random.default_rng(1)
         noisy_profiles = [
             Profile(

@@ -52,7 +52,6 @@ class TestSectionsOfSinusoid:
         assert computed_parameters.Rdc == pytest.approx(2 * amplitude * math.cos(math.pi * 0.2), rel=0.002)
 
     def test_s_filter_halves_the_amplitude_of_a_sinusoid_with_the_nesting_index_as_wavelength(self):
-        # A sinusoid whose wavelength is λs retains half of its amplitude.
         computed_parameters = section_parameters(sinusoid(8.0, waves=700), lc=800, ls=8)
         assert computed_parameters.Ra == pytest.approx(0.5 * 2 / math.pi, rel=2e-3)
 

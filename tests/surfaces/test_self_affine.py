@@ -135,7 +135,6 @@ def test_self_affine_surface_is_isotropic_on_any_grid():
 def test_self_affine_surface_is_periodic():
     created_surface = create_surface(shape=(64, 64), spacing=0.02, shortest_wavelength=0.16)
     tiled_heights = np.tile(created_surface.heights, (2, 2))
-    # A jump at the seam would exceed the differences between neighbouring points.
     differences = np.abs(np.diff(tiled_heights, axis=1))
     assert differences[:, 63].max() <= np.delete(differences, 63, axis=1).max()
     assert (

@@ -159,7 +159,6 @@ def test_steepest_direction_of_a_surface_is_perpendicular_to_its_lay():
     assert spectrum.steepest_direction() == pytest.approx(math.degrees(math.atan2(1, 2)), abs=0.5)
     for angle in (10.0, 70.0, 130.0):
         for seed in range(4):
-            # The roughness wavelengths are twice as long along y as along x.
             surface = self_affine_map(seed, 0.7, (160, 160), whole=2, longest=20.0, stretch=2.0)
             rotated_spectrum = surface_spectrum(levelled(rotated(surface, angle), "plane"))
             angle_error = (rotated_spectrum.steepest_direction() - angle + 90) % 180 - 90
@@ -198,7 +197,6 @@ def test_radial_spectrum_agrees_with_the_surfacetopography_library():
 
 
 def test_mean_spectral_moments_of_weierstrass_mandelbrot_profiles_equal_exact_moments():
-    # The expected moment is half of Σ a² k^(2j).
     # The mean of 20 profiles with a hundred independent wavelengths scatters by a few per cent.
     options = {"convention": "classical"}
     exact_moments = weierstrass_mandelbrot_moments(1.2, shortest_wavelength=0.02, **options)

@@ -89,7 +89,6 @@ def test_common_grid_has_the_finer_spacing_along_each_axis():
     coarse_surface, height = bumpy_surface((30, 100), (0.25, 0.1))
     fine_resampled, coarse_resampled = on_common_grid(fine_surface, coarse_surface)
     assert fine_resampled.spacing == coarse_resampled.spacing == (0.1, 0.1)
-    # The common length is 5.9 µm along y and 7.8 µm along x.
     assert fine_resampled.heights.shape == coarse_resampled.heights.shape == (60, 79)
     # Along x, the coarse map is unchanged. Along y, each of its columns is interpolated by a natural spline.
     splined_heights = CubicSpline(0.25 * np.arange(30), coarse_surface.heights[:, :79], bc_type="natural")(

@@ -64,7 +64,7 @@ class TestSurrogate:
         surrogate_powers = np.abs(np.fft.rfft(surrogate(Profile(heights, spacing=1.0), 3).heights)[1:]) ** 2
         assert np.allclose(
             surrogate_powers / surrogate_powers.sum(), averaged_powers / averaged_powers.sum(), rtol=1e-9, atol=0
-        )  # The surrogate is scaled to the Pq of the profile.
+        )
 
     @pytest.mark.parametrize("hurst", [0.4, 0.8])
     @pytest.mark.parametrize("longest", [4.0, 40.0])
@@ -145,7 +145,6 @@ def test_rms_gradient_of_an_isotropic_surface_is_root_2_times_the_rms_slope_of_i
         assert np.sqrt(created_spectrum.moments(0).slope + created_spectrum.moments(90).slope) == pytest.approx(
             gradient, rel=STATISTICAL_TOLERANCE
         )
-        # The surface is isotropic except for random scatter.
         assert created_spectrum.moments(0).slope == pytest.approx(
             created_spectrum.moments(90).slope, rel=2 * STATISTICAL_TOLERANCE
         )

@@ -57,7 +57,6 @@ def test_summary_of_measured_surfaces_lists_the_coefficient_for_all_contacts_fir
     ):
         assert words in quotable_sentence(point)
     assert quotable_sentence(point).endswith(".")
-    # smallest and largest coefficient of single members
     assert (point.rules[0].low, point.rules[0].high) == (0.04, 0.19)
     assert summarize_single_point(measured_result(all_contacts=0.1, half_width_ratio=1.2), measured_study()).lower == 0
     dataset = measured_result()
@@ -246,10 +245,7 @@ def test_caveat_about_assumed_spherical_asperities_states_no_direction(half_widt
 @pytest.mark.parametrize(
     ("numbers", "study"),
     [
-        (
-            {"contact_count": 9.0, "contact_area_fraction": 0.4},
-            {},
-        ),  # merged contacts count as one contact, so a small number causes no caveat
+        ({"contact_count": 9.0, "contact_area_fraction": 0.4}, {}),
         ({"mean_pressure": 20.0}, {"hardness": 2.0}),
         ({"mean_pressure": 20.0}, {"mechanics": "asperities", "law": "jackson-green"}),
     ],
@@ -400,9 +396,7 @@ def test_summary_interval_contains_the_filtered_and_the_unfiltered_coefficient(i
     dataset = measured_result(cut_offs=cut_offs, loads=(1.0, 10.0), half_width_ratio=0.02, all_contacts=0.25)
     for name in ("mean_friction", "friction_coefficient"):
         dataset[name][{"cut_off": 1}] *= 0.84
-    combined_intervals = dataset["mean_friction"].isel(
-        cut_off=[0, 1]
-    )  # The hardness is the only input in the uncertainty budget.
+    combined_intervals = dataset["mean_friction"].isel(cut_off=[0, 1])
     dataset["friction_at_cutoff"] = combined_intervals
     dataset["remaining_interval"] = combined_intervals.expand_dims(input=["hardness"])
     dataset["remaining_width"] = (

@@ -123,7 +123,6 @@ def test_tip_radius_adds_a_line_of_text_but_no_second_cutoff(profile):
         assert expected_words in texts["tip"]
         assert "cutoff" not in texts["tip"]
         assert texts["instrument"] == texts_without_tip["instrument"]
-        # the caveats and the row "instrument" suggest the same cutoff
         suggested_cutoffs = {
             match
             for text in (texts["instrument"], *(caveat.remedy for caveat in with_tip.caveats))
@@ -221,7 +220,6 @@ def test_fitted_band_that_starts_at_a_spectral_peak_is_reported():
     sine_wave = 0.4 * np.sin(2 * np.pi * rough_profile.x / 8.0)
     text = characterisation_text(Profile(rough_profile.heights + sine_wave, spacing=0.05), band=(0.2, 8.2))
     assert "the band starts on a peak at" in text
-    # The start of a roll-off is not a peak.
     assert "begins on a peak" not in characterisation_text(rough_profile, band=(0.2, 8.2))
 
 
@@ -248,7 +246,6 @@ def test_spectrum_and_hurst_exponent_but_not_roughness_parameters_exclude_outlie
 def test_dominant_spectral_peak_is_reported_with_its_fraction_of_the_mean_square():
     rough_profile = self_affine(3, hurst_exponent=0.7, rms=0.05, points=8000, spacing=0.01, longest_wavelength=8.0)
     assert "peak" not in get_texts_by_label(characterisation_text(rough_profile))
-    # The sine wave has the amplitude of typical instrument vibration.
     sine_wave = 0.003 * np.sin(2 * np.pi * rough_profile.x / 0.06)
     peak_text = get_texts_by_label(characterisation_text(Profile(rough_profile.heights + sine_wave, spacing=0.01)))[
         "peak"
@@ -317,13 +314,11 @@ def test_small_slope_estimate_of_one_scan_assumes_two_equal_surfaces():
         return text
 
     friction_text = format_friction_text(Profile(heights, spacing=0.01), periodic=True, band=(0.02, 20.0))
-    # The text lists the sliding rules in the same words and order as the output of a pair.
     assert re.match(
         rf"friction at all contacts: μ0; friction at opposing contacts only: {expected_friction:.3f} if μ0 = 0.4",
         friction_text,
     )
     assert "small-slope estimates for two such surfaces" in friction_text
-    # The text on a height map contains an estimate along each axis.
     x, y = np.meshgrid(np.arange(64) * 0.1, np.arange(64) * 0.1)
     random = np.random.default_rng(1)
     heights = 0.03 * np.sin(2 * np.pi * x) + 0.01 * np.sin(2 * np.pi * y) + 1e-3 * random.normal(size=x.shape)

@@ -170,7 +170,7 @@ def test_figures_of_a_result_are_written_in_every_format(generated_dataset, tmp_
     assert contents[1].startswith(b"%PDF")
     assert contents[2].startswith(b"<?xml")
     assert draw_figures(dataset, tmp_path, formats=FIGURE_FORMATS) == paths
-    assert [path.read_bytes() for path in paths] == contents  # Drawing again writes identical files.
+    assert [path.read_bytes() for path in paths] == contents
 
 
 def test_drawing_figures_rejects_empty_results_and_preserves_files_of_other_programs(tmp_path):
@@ -255,7 +255,7 @@ def test_friction_curves_equal_the_friction_map_at_their_load(generated_dataset)
     number, unit = curves.get_title().removeprefix("at $F_N$ = ").split()
     load = float(number) * {"mN": 1, "µN": 1e-3, "nN": 1e-6}[unit]
     friction = friction_map(dataset, [load], mu0=[0.4]).isel(amplitude=0, mu0=0, load=0)
-    assert ((friction["status"] == "ok").sum("fractal_dimension") >= 3).all()  # at least 3 of the 4 fractal dimensions
+    assert ((friction["status"] == "ok").sum("fractal_dimension") >= 3).all()
     dotted_lines = [line.get_ydata() for line in curves.lines if line.get_linestyle() == ":"]
     for plotted_values, tau0 in zip(dotted_lines, (0, -1), strict=True):
         np.testing.assert_array_equal(plotted_values, friction["friction_coefficient"].isel(tau0=tau0).values)
@@ -345,7 +345,7 @@ def test_load_figure_shows_the_mean_values_of_the_result(maps_at_two_cutoffs):
         map(style.axis_label, ("friction_coefficient", "contact_area_fraction"))
     )
     marked_loads = [line.get_xdata()[0] for line in area_axes.lines if line.get_linestyle() == "--"]
-    assert marked_loads == [0.1, 0.5]  # The dashed lines are at the requested loads.
+    assert marked_loads == [0.1, 0.5]
 
 
 def test_figure_lines_are_drawn_only_in_grey_and_in_the_colours_of_the_sliding_rules(maps_at_two_cutoffs):
@@ -404,14 +404,13 @@ def test_contacts_figure_of_a_map_longer_than_a_millimetre_is_labelled_in_millim
     axes = figure.axes[0]
     assert "(mm)" in axes.get_xlabel()
     assert "(mm)" in axes.get_ylabel()
-    assert any(text.get_text().endswith(" mm") for text in axes.texts)  # the text of the scale bar
+    assert any(text.get_text().endswith(" mm") for text in axes.texts)
     longest_tick_in_micrometres = axes.get_xticks()[-1]
     assert float(axes.get_xticklabels()[-1].get_text()) == pytest.approx(longest_tick_in_micrometres / 1000)
 
 
 def test_contacts_figure_frames_the_contact_with_the_largest_load_even_at_the_edge():
     x = np.linspace(-1, 1, 64)
-    # The highest hill is in a corner; another one is in the middle.
     heights = 0.14 * np.exp(-((x[:, np.newaxis] + 0.98) ** 2 + (x + 0.98) ** 2) / 0.02)
     heights += 0.09 * np.exp(-(x[:, np.newaxis] ** 2 + x**2) / 0.02)
     lower = Surface(heights, spacing=0.1)
@@ -475,7 +474,6 @@ def test_force_arrows_stay_inside_the_frame_of_the_contact_figure(create_circula
         lengths = np.hypot(arrows.U, arrows.V) / arrows.scale * figure.dpi
         assert (start_points[:, 1] + lengths <= frame.y1).all()
     assert "heights magnified" in zoomed_axes.get_title(loc="left")
-    # Two flat profiles without contact are drawn, too.
     flat_profile = Profile(np.zeros(200), spacing=0.01)
     forces = build_contact_forces(flat_profile, flat_profile, 0.0, mu0=0.3)
     save_figure(contact_forces_figure(forces), tmp_path / "contact.png")
@@ -518,7 +516,6 @@ def test_cutoff_figure_shows_unfiltered_scans_to_the_left_of_the_shortest_cutoff
         (axes, _) = cut_off_figure(replace(limits, shortest=shortest_wavelength)).axes
         position, *_ = axes.lines[0].get_xdata()
         assert position < first_cutoff / 1.01
-        # No point of the curve lies in the grey area of wavelengths that are not resolved.
         (unresolved,) = (patch for patch in axes.patches if patch.get_label() == "not resolved")
         assert unresolved.get_x() + unresolved.get_width() < position
 
@@ -574,7 +571,6 @@ def test_report_and_plot_draw_the_same_figure_of_friction_against_cutoff(maps_at
     assert drawn_lines[0] == drawn_lines[1]
     legends = [[text.get_text() for text in figure.legends[0].get_texts()] for figure in figures]
     assert legends[0] == legends[1]
-    # both figures show the combined interval
     assert all("combined" in figure.legends[0].get_title().get_text() for figure in figures)
 
 

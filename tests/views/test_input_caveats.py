@@ -62,7 +62,6 @@ def test_height_range_that_is_large_for_the_scan_length_adds_a_caveat(rough_prof
     assert find_caveat_texts(Surface(10 * surface.heights, spacing=1.0), surface) == [
         "upper: heights span 10 µm on a length of 8 µm"
     ]
-    # A height range that no scan can have is reported as a fault.
     tall_profile = Profile(rough_profile.heights * 1e6, spacing=rough_profile.spacing)
     caveats = find_input_caveats(tall_profile, rough_profile, measured_study())
     assert [caveat.severity for caveat in caveats if "heights span" in caveat.text] == ["fault"]
@@ -181,7 +180,6 @@ def test_noise_and_spectral_lines_add_caveats_unless_unfiltered_scans_are_accept
             expected_words in other_caveat.text
             for other_caveat in find_input_caveats(profile, profile, study_without_filter)
         )
-    # This noise floor contributes little to the slope.
     profile_with_faint_noise = Profile(
         clean_profile.heights + 1e-5 * np.random.default_rng(1).normal(size=4096), spacing=0.01
     )
@@ -227,7 +225,6 @@ def test_wavelengths_that_the_tip_does_not_resolve_add_a_caveat():
     (plastic_caveat,) = find_input_caveats(scan, scan, plastic_study)
     assert plastic_caveat.severity == "caution"
     assert plastic_caveat.interval_note == ""  # the range for finer scans already allows for steeper surfaces
-    # A noise floor causes a cutoff even if a tip radius is given.
     noisy_scan = Profile(scan.heights + 1e-3 * np.random.default_rng(1).normal(size=3000), spacing=0.01)
     study = pair_study(noisy_scan, noisy_scan, tip="20 um", **options)
     assert study.surfaces.cell_coordinates()["cut_off"].tolist() == [instrument_limit(noisy_scan).cut_off, 0.0]
@@ -367,7 +364,6 @@ def test_caveats_of_a_single_gap_do_not_mention_two_scans(tmp_path):
     options |= {"unit": "um", "spacing": "0.1 um", "missing": "interpolate", "cutoff": "none", "direction": [0, 180]}
     result = pair(gap=tmp_path / "gap.npy", **options)
     texts = [caveat.text for caveat in result.caveats]
-    # A gap does not contain the roughness of the faces, and its name does not repeat the word.
     assert result.summary().first.roughness_contribution is None
     assert "oughness contributes" not in result.sentence
     assert get_pair_name(result.study) == "gap.npy"

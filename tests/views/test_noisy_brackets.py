@@ -16,7 +16,7 @@ PAIR_OPTIONS = {
     "onset": 0, "direction": [0, 90, 180, 270],
 }  # fmt: skip
 MIN_COVERED_FRACTION = 0.95  # minimum fraction of brackets that contain the true value
-NUM_PAIRS = 75  # number of pairs for each kind of noise
+NUM_PAIRS = 75
 
 
 def create_noise(noise_kind, random):

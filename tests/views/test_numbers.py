@@ -54,7 +54,7 @@ def create_arbitrary_sums(tangential_factor):
         dataset[name].values[3, 1, 1:] = (
             0  # only one repetition has a tangential force, and the mean of all others is 0, which has no logarithm
         )
-    dataset["normal_elastic"].values[3, 0, :, 0] = 0.5  # the mean load is 0.5 at the first approach
+    dataset["normal_elastic"].values[3, 0, :, 0] = 0.5
     dataset["contact_count"].values[:] = 3 * has_contact
     dataset["crossed_count"].values[:] = random.integers(0, 4, shape) * has_contact
     return dataset
@@ -85,9 +85,9 @@ def test_report_script_prints_numbers_with_as_many_decimals_as_the_terminal_outp
     upper[:5] = np.inf
     lower[5:8] = upper[5:8] = np.nan
     upper[8:12] = 300 * value[8:12]
-    upper[12] = 1e11 * value[12]  # printed with an exponent
+    upper[12] = 1e11 * value[12]
     if digits == 2:
-        value[5] = 2 * scale  # a value without an interval is printed without trailing zeros
+        value[5] = 2 * scale
     decimals, decimals_of_upper = count_estimate_decimals(value, lower, upper, digits=digits)
     texts = report_evaluator(
         "(points) => points.map(([value, lower, upper, decimals, upperDecimals]) => quoted({value, lower: lower ?? NaN,"
@@ -344,7 +344,7 @@ def test_friction_in_reports_of_measured_surfaces_equals_library_values(dataset_
         errors.append(find_relative_error(values, expected.values))
         if (mu0, tau0) == study_setting[4:]:
             assert point["text"] == str(Estimate(*expected.values.tolist()))
-        if not is_whole:  # The coefficient in a single direction has no interval.
+        if not is_whole:
             point_over_directions = report_evaluator.evaluate_quantity("friction", mu0, tau0, **indices)
             assert np.isnan(point_over_directions["lower"])
             assert "[" not in point_over_directions["text"]
@@ -416,7 +416,6 @@ def test_cell_edges_of_a_friction_map_are_midpoints_between_cell_centres(drawing
     assert (np.array(cell_edges[1:-1]) == (np.array(centres[1:]) + centres[:-1]) / 2).all()
     assert cell_edges[0] < centres[0]
     assert cell_edges[-1] > centres[-1]
-    # Lines on a map separate true cells from false cells.
     x, y = [0, 1, 2], [0, 10, 20]
     assert drawing_functions("(...at) => boundary([[true, false], [true, null]], ...at)", x, y) == [[1, 0, 1, 10]]
     assert drawing_functions("(...at) => boundary([[true], [false]], ...at)", x[:2], y) == [[0, 10, 1, 10]]

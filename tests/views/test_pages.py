@@ -184,7 +184,6 @@ def test_plot_can_be_zoomed_and_panned_by_mouse_keyboard_and_touch(driver, pages
     span = initial_limits[:, 1] - initial_limits[:, 0]
     zoom_by_wheel(driver, plot)
     zoomed_limits = compute_scaled_axis_limits(driver, plot)
-    # Both axes are scaled by the same factor, and the point under the pointer stays in place.
     ratio = (zoomed_limits[:, 1] - zoomed_limits[:, 0]) / span
     assert ratio == pytest.approx(np.exp(-200 / 300), rel=1e-6)
     assert zoomed_limits[:, 0] + (zoomed_limits[:, 1] - zoomed_limits[:, 0]) / 4 == pytest.approx(
@@ -364,7 +363,6 @@ def test_address_of_a_report_restores_the_selected_settings(driver, pages):
     browser.wait_until_page_is_drawn(driver)
     assert find_element(driver, "answer").text == answer_text
     assert driver.execute_script("return [state.mu0, state.tau0]") == [mu0, tau0]
-    # Invalid values in the address are replaced by defaults.
     driver.get("about:blank")
     driver.get(pages["study"].as_uri() + "#mu0=-3&tau0=NaN&load=x&d=&way=7&rule=%00&pair=<b>")
     browser.wait_until_page_is_drawn(driver)
@@ -484,7 +482,6 @@ def test_report_shows_the_coefficient_for_the_sliding_rule_of_the_interface_firs
     assert list(displayed_values) == list(expected) == ["opposing", "all"]
     assert displayed_values == pytest.approx(expected, rel=1e-4)
     assert "belong to friction at opposing contacts only" in find_element(driver, "answer").text
-    # The most useful measurement follows the first coefficient, which has no bar of contributions.
     driver.execute_script("for (const point of facts.points) point.most = 'With more positions.'; showReadout()")
     texts = [paragraph.text for paragraph in driver.find_elements("css selector", "#answer p")]
     second_coefficient = texts.index("friction at all contacts")
@@ -526,7 +523,7 @@ def test_report_is_accessible_and_sends_no_requests(driver, pages, scheme):
 
 
 def test_printed_report_contains_complete_figures_and_parameters(driver, pages):
-    paper_width = 720  # width in pixels between the margins of A4
+    paper_width = 720
     for path in (pages["study"], pages["maps"]):
         browser.open_page(driver, path, width=1280)
         driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})

@@ -83,7 +83,7 @@ def test_saving_a_report_overwrites_reports_but_no_other_files(generated_dataset
     os.mkfifo(tmp_path / "pipe")
     foreign_file = tmp_path / "thesis.html"
     foreign_file.write_text("years of work")
-    request.getfixturevalue("omit_report_panels")  # Only the first report contains its figures.
+    request.getfixturevalue("omit_report_panels")
     with pytest.raises(ReportError, match="pipe"):  # The command does not wait for a program that reads the pipe.
         save_report(generated_dataset, tmp_path / "pipe")
     for bad_path in (foreign_file, tmp_path, tmp_path / "no/report.html"):

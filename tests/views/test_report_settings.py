@@ -9,9 +9,9 @@ from support import browser
 pytest.importorskip("selenium", reason="selenium is not installed")
 pytestmark = browser.BROWSER_MARKS
 
-NUM_FRICTION_PARAMETER_PAIRS = 10  # number of pairs (mu0, tau0) for each kind of result
-NUM_SETTINGS = 50  # number of random settings of all controls for each kind of result
-MAX_PACKING_ERROR = 1e-6  # largest relative error of a number in a report
+NUM_FRICTION_PARAMETER_PAIRS = 10
+NUM_SETTINGS = 50
+MAX_PACKING_ERROR = 1e-6
 HALF_PLANE_STUDY_OVERRIDES = {
     "contact.mechanics": "half-space", "contact.load": {"start": "10 uN", "stop": "1 mN", "count": 5},
     "contact.sliding": ["opposing", "all"], "surfaces.points": 512, "surfaces.extent": "5 um",

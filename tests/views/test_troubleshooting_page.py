@@ -89,7 +89,6 @@ def list_law_caveats():
     """Return the caveats of laws that disagree with their tests, of a pair with another range, and of a missing law."""
     ball = Ball("5 mm", "3 GPa ± 10 %")
     loads = np.geomspace(5.0, 2000.0, 8)
-    # The friction of the law never rises with the load.
     coefficients_of_laws = 0.2 + 0.05 * (-1.0) ** np.arange(8), 0.2 * loads**0.1
     laws = [
         calibrate([FrictionTest(ball, load, y, uncertainty=0.02 * y) for load, y in zip(loads, values, strict=True)])
