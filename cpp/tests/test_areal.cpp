@@ -55,8 +55,7 @@ TEST_CASE("contact_geometry: relative curvatures are measured in the tangent pla
 }
 
 TEST_CASE("areal press: a paraboloid on a flat has one elliptic contact for all directions and sliding rules") {
-  // At the edges of the map, the spline has zero curvature, unlike the paraboloid.
-  // The curvature at the minimum, 15 points from the edges, has a relative error of about 0.268^15 = 3e-9.
+  // At the edges of the map, the spline has zero curvature. At 15 points from the edges, the error is 0.268^15 = 3e-9.
   constexpr double tolerance = 1e-7;
   const Matrix upper = paraboloid(31, 41, 3.0, 1.0);
   const Matrix lower = Matrix::Zero(31, 41);
@@ -84,9 +83,7 @@ TEST_CASE("areal press: a paraboloid on a flat has one elliptic contact for all 
 }
 
 TEST_CASE("tangent: is a unit tangent and matches the sliding factors, also at walls along the motion") {
-  // The normal of the wall has the vertical component `up`. Seen from above, the normal is `turn` from the motion.
-  // If `up` and `turn` are small, the tangent t is almost perpendicular to the motion s.
-  // If the tangent t is almost perpendicular to the motion s, the vector form (s·n) n - s loses digits by cancellation.
+  // Seen from above, the normal is `turn` from the motion. If `up` and `turn` are small, (s·n) n - s loses digits.
   for (const double turn : {0.0, 1e-9, 1e-6, 1e-3, 0.5}) {
     for (const double up : {1e-12, 1e-3, 0.5}) {
       const double level = std::sqrt(1.0 - up * up);
@@ -103,7 +100,6 @@ TEST_CASE("tangent: is a unit tangent and matches the sliding factors, also at w
 }
 
 TEST_CASE("areal press: an ellipse much larger than the map contributes the area of the map") {
-  // Even very small fractions of force and area inside the map have full relative accuracy.
   const Matrix upper = paraboloid(31, 41, 1e4, 1e4);
   const Matrix lower = Matrix::Zero(31, 41);
   const ArealCandidates all_candidates = candidates({upper, lower, {spacing, spacing}}, 1e9, Curvature::signed_);
@@ -111,8 +107,7 @@ TEST_CASE("areal press: an ellipse much larger than the map contributes the area
   for (const double approach : {1e3, 1e6, 1e9}) {
     const auto table = stiction::contacts(all_candidates, approach, stiction::HertzSphere{10.0}, {1.0, 0.0});
     REQUIRE(table.size() == 1);
-    // At approaches of 1 mm or more, the contact ellipse covers the map, so the contact area is the area of the map.
-    // The maximum force is the product of the map area and the central pressure 2 E* (d / R)^(1/2) / π.
+    // The ellipse covers the map, so the maximum force is the map area times the peak pressure 2 E* (d / R)^(1/2) / π.
     const double area = 40.0 * 30.0 * spacing * spacing;
     CHECK(table[0].area == doctest::Approx(area).epsilon(1e-12));
     const double radius = std::sqrt(table[0].radii.major * table[0].radii.minor);

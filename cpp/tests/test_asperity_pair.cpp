@@ -15,7 +15,6 @@ using stiction::Vector3;
 namespace {
 constexpr double round_off = 1e-13;
 
-// Return the asperity at the point of a sphere where the outward normal is inclined by `angle` from the vertical.
 Asperity inclined_asperity(double angle, double radius, Side side) {
   const double up = side == Side::lower ? 1.0 : -1.0;
   return {up * Vector3(std::sin(angle), 0.0, std::cos(angle)), radius};

@@ -13,7 +13,6 @@ using stiction::Matrix;
 
 namespace {
 
-// Return a table of the bilinear function 1 + 2 i + 3 j - 0.5 i j of the row i and the column j.
 Matrix tabulate_bilinear_function(Index rows, Index columns) {
   Matrix table(rows, columns);
   for (Index i = 0; i < rows; ++i) {

@@ -13,7 +13,6 @@ TEST_CASE("build: reports the compiler, the GSL version and a supported instruct
 #if defined(__x86_64__)
   const bool is_wide = info.instruction_set == "AVX-512" || info.instruction_set == "AVX2, FMA";
   CHECK((is_wide || info.instruction_set == "SSE2"));
-  // The machine must support the instruction set that `build` reports.
   if (info.instruction_set == "AVX-512") {
     CHECK(__builtin_cpu_supports("avx512f"));
   }

@@ -13,7 +13,6 @@
 
 namespace {
 
-// Return the sum of two sinusoids (wavelengths 1 µm and 0.157 µm) and a slightly rising line.
 std::vector<double> sinusoid(std::size_t size) {
   std::vector<double> heights(size);
   for (std::size_t i = 0; i < size; ++i) {
@@ -30,11 +29,9 @@ struct Cancelled {};
 TEST_CASE("gap_minimum: finds the minimum of a parabola and no other stationary point") {
   // The gap has the slope g' = 2 (t - 0.3), which is -0.6 at t = 0 and 1.4 at t = 1.
   CHECK(*stiction::gap_minimum(-0.6, 2.0, 1.4, 2.0, 1.0) == doctest::Approx(0.3).epsilon(1e-15));
-  CHECK_FALSE(stiction::gap_minimum(0.6, -2.0, -1.4, -2.0, 1.0).has_value());  // the gap has a maximum
-  // The minimum of the parabola lies to the left of the interval, so no minimum is returned.
+  CHECK_FALSE(stiction::gap_minimum(0.6, -2.0, -1.4, -2.0, 1.0).has_value());
   CHECK_FALSE(stiction::gap_minimum(0.6, 2.0, 2.6, 2.0, 1.0).has_value());
   CHECK(*stiction::gap_minimum(0.0, 2.0, 2.0, 2.0, 1.0) == 0.0);
-  // The first point of a profile is never a minimum.
   CHECK_FALSE(stiction::gap_minimum(0.0, 2.0, 2.0, 2.0, 1.0, true).has_value());
 }
 

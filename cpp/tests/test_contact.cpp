@@ -16,7 +16,7 @@ namespace {
 
 const ContactModel hertz{HertzSphere{10.0}};
 
-// Return an arc of a circle. `sign` is +1 for a bump of the lower surface, and -1 for a bump of the upper surface.
+// `sign` is +1 for a bump of the lower surface, and -1 for a bump of the upper surface.
 std::vector<double> arc(double apex, double radius, double spacing, std::size_t size, double sign) {
   std::vector<double> heights(size);
   for (std::size_t i = 0; i < size; ++i) {

@@ -19,9 +19,8 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr double modulus = 10.0;
 constexpr double round_off = 1e-12;
-constexpr double single_tolerance = 2e-6;  // relative error of transforms in single precision
+constexpr double single_tolerance = 2e-6;
 
-// Return pseudo-random numbers.
 std::vector<double> pseudo_random(std::size_t count) {
   std::vector<double> result(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -119,7 +118,7 @@ TEST_CASE("ElasticKernel: displacements match direct sums over wave vectors or c
       CAPTURE(periodic);
       const ElasticKernel kernel(grid, modulus);
       std::vector<double> pressure = pseudo_random(grid.size());
-      if (grid.rows > 4) {  // one row contains only zeros
+      if (grid.rows > 4) {
         std::fill_n(pressure.begin() + static_cast<std::ptrdiff_t>(2 * grid.columns), grid.columns, 0.0);
       }
       const std::vector<double> expected =

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double modulus = 2e-3;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double round_off = 1e-10;  // relative error of transforms in double precision
+constexpr double round_off = 1e-10;
 constexpr double residual_limit = 1e-5;
 constexpr int max_steps = 2000;
 const MinimizationLimits limits{residual_limit, 10 * residual_limit, 1e-7};
@@ -23,7 +23,6 @@ const MinimizationLimits limits{residual_limit, 10 * residual_limit, 1e-7};
 Grid area(bool periodic) { return {24, 20, 0.1, 0.12, false, periodic}; }
 Grid line(bool periodic) { return {1, 64, 1.0, 0.1, true, periodic}; }
 
-// Return the gap [µm] between a flat and a wavy surface. The smallest gap is 0.
 std::vector<double> wavy_gap(const Grid& grid) {
   std::vector<double> gap(grid.size());
   for (std::size_t i = 0; i < gap.size(); ++i) {
@@ -38,7 +37,6 @@ std::vector<double> wavy_gap(const Grid& grid) {
   return gap;
 }
 
-// Energy minimisation that starts from zero gap and zero pressure at all points.
 struct Minimization {
   Grid grid;
   AdhesiveInterface interface;

@@ -31,7 +31,6 @@ constexpr double compliance_tolerance = 1e-6;
 constexpr double pressure_tolerance = 5e-3;  // relative error of pressures; the energy has the square of this error
 const std::vector<double> unbounded{std::numeric_limits<double>::infinity()};
 
-// Return the heights of a map or a line as the sum of sinusoids with several wavelengths.
 std::vector<double> sinusoids(const Grid& grid) {
   std::vector<double> heights(grid.size());
   for (std::size_t row = 0; row < grid.rows; ++row) {
@@ -45,7 +44,7 @@ std::vector<double> sinusoids(const Grid& grid) {
   return heights;
 }
 
-// Return periodic heights that contain 15 wavelengths on maps and 30 on lines.
+// The heights contain 15 wavelengths on maps and 30 on lines.
 std::vector<double> periodic_surface(const Grid& grid) {
   std::vector<double> heights(grid.size(), 0.0);
   for (int wave = 1; wave <= (grid.line ? 30 : 15); ++wave) {
@@ -63,7 +62,6 @@ std::vector<double> periodic_surface(const Grid& grid) {
   return heights;
 }
 
-// Return rough heights that contain many wavelengths.
 std::vector<double> rough_surface(const Grid& grid) {
   std::vector<double> heights(grid.size(), 0.0);
   for (int wave = 1; wave <= 60; ++wave) {
@@ -79,7 +77,6 @@ std::vector<double> rough_surface(const Grid& grid) {
   return heights;
 }
 
-// Check the mean pressure and, to within a tolerance, the contact conditions.
 // Points under pressure must not have a gap, and only points at their pressure bound may overlap.
 void check_contact_conditions(const HalfSpaceGrids& grids, const std::vector<double>& gap,
                               const std::vector<double>& bound, double mean, double unit,

@@ -17,7 +17,6 @@ namespace {
 constexpr Index curves = 3;
 constexpr Index steps = 4;
 
-// Return positive values of `curves` curves at `steps` steps, one row for each curve and step.
 // The values of a few repetitions are much larger than the values of all other repetitions.
 Matrix random_values(Index repetitions, unsigned seed) {
   std::mt19937_64 random(seed);

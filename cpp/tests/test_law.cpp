@@ -36,7 +36,6 @@ TEST_CASE("HertzCylinder: force and area match the formulas for the half-width")
 TEST_CASE("JacksonGreen: equals Hertz below yield and tends to the hardness far above it") {
   const JacksonGreen law{100.0, 0.2, 0.3};
   const double constraint = 1.295 * std::exp(0.736 * 0.3);
-  // Critical interference of a sphere with a radius of 1 µm.
   const double critical = std::pow(0.5 * std::numbers::pi * constraint * 0.002, 2);
   const HertzSphere hertz{100.0};
   for (const double ratio : {0.01, 1.0, 1.89}) {
@@ -53,7 +52,6 @@ TEST_CASE("JacksonGreen: equals Hertz below yield and tends to the hardness far 
   const double contact_radius = std::sqrt(plastic.area / std::numbers::pi);
   const double hardness = 2.84 * 0.2 * (1.0 - std::exp(-0.82 * std::pow(contact_radius, -0.7)));
   CHECK(plastic.force / plastic.area == doctest::Approx(hardness).epsilon(0.05));
-  // Load and area increase with the overlap, but the load increases more slowly than in Hertz theory.
   double force = 0.0;
   double area = 0.0;
   for (double ratio = 0.5; ratio < 2000.0; ratio *= 1.5) {

@@ -24,7 +24,6 @@ struct Fixture {
   Workspace workspace;
 };
 
-// Return the free points of discs on a square lattice. The discs cover the given fraction of the area.
 std::vector<std::int32_t> lattice_of_discs(double fraction) {
   std::vector<std::int32_t> points;
   const double radius = 12.0 * std::sqrt(fraction / std::numbers::pi);

@@ -12,10 +12,10 @@ using stiction::ProjectedCgSolver;
 
 namespace {
 
-constexpr double round_off = 1e-6;  // relative error of steps in single precision
+constexpr double round_off = 1e-6;  // of steps in single precision
 const std::vector<double> none{std::numeric_limits<double>::infinity()};
 
-// Independent springs with K p = p / stiffness. The exact preconditioner multiplies by the stiffness.
+// Independent springs: K p = p / stiffness.
 struct Springs {
   std::vector<double> gap;
   double stiffness;
@@ -54,8 +54,7 @@ struct Springs {
 }  // namespace
 
 TEST_CASE("ProjectedCgSolver: independent springs under pressure have equal potentials") {
-  // The springs have gaps of 0, 1, 2 and 9 and a stiffness of 2. The load of 10 closes three gaps.
-  // At the approach δ, 2 (δ + (δ - 1) + (δ - 2)) = 10, so δ = 8/3.
+  // The load of 10 closes three gaps of springs with a stiffness of 2: 2 (δ + (δ - 1) + (δ - 2)) = 10, so δ = 8/3.
   for (const bool line : {false, true}) {
     const auto solver = Springs{{0.0, 1.0, 2.0, 9.0}, 2.0}.solve(10.0, none, line);
     const std::array<double, 4> expected{16.0 / 3.0, 10.0 / 3.0, 4.0 / 3.0, 0.0};
@@ -63,7 +62,7 @@ TEST_CASE("ProjectedCgSolver: independent springs under pressure have equal pote
       CHECK(solver.pressure()[i] == doctest::Approx(expected[i]).epsilon(round_off));
     }
     CHECK(solver.approach() == doctest::Approx(8.0 / 3.0).epsilon(round_off));
-    // At every point under pressure, the potential equals the approach 8/3, and the pressures add up to 10.
+    // At every point under pressure, the potential equals the approach 8/3.
     CHECK(solver.pressure_dot_potential() == doctest::Approx(10.0 * 8.0 / 3.0).epsilon(round_off));
   }
 }
@@ -79,7 +78,6 @@ TEST_CASE("ProjectedCgSolver: a bound limits the pressure and other points carry
 
 TEST_CASE("ProjectedCgSolver: respects a separate bound for each point") {
   // The bounds limit the pressures of spring 2 and spring 3 to 0 and 1, so 2 (δ + (δ - 4)) = 9 and δ = 4.25.
-  // At the approach δ = 4.25, the second and the third spring overlap.
   for (const bool line : {false, true}) {
     const auto solver = Springs{{0.0, 1.0, 2.0, 4.0}, 2.0}.solve(10.0, {100.0, 0.0, 1.0, 9.0}, line);
     const std::array<double, 4> expected{8.5, 0.0, 1.0, 0.5};
@@ -104,8 +102,7 @@ TEST_CASE("ProjectedCgSolver: with the whole load at the bounds, the approach li
 
 TEST_CASE("ProjectedCgSolver: steps in which all points reach their bounds preserve the load") {
   ProjectedCgSolver solver(std::vector<double>{0.5, 0.9, 0.1}, 1.5, std::vector<double>{1.0}, false);
-  // The gaps alternate, so that each step shifts the load from one of two points to the other.
-  // The compliance of both points is small, so the optimal step length grows with each step.
+  // Each step shifts the load from one of two points to the other, and the optimal step length grows with each step.
   for (int count = 0; count < 100; ++count) {
     const bool odd = count % 2 == 1;
     solver.restart(std::vector<double>{odd ? 1.0 : 0.0, odd ? 0.0 : 1.0, 3.0});

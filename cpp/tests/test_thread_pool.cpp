@@ -18,7 +18,6 @@
 
 namespace {
 
-// Number of threads that `pthread_create` creates before it fails.
 std::atomic<int> creatable_threads{std::numeric_limits<int>::max()};
 
 }  // namespace

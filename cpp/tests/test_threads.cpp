@@ -1,5 +1,4 @@
-// Test of reentrancy: several concurrent threads compute the same results as a single thread.
-// The test of reentrancy also runs under the thread sanitizer.
+// Test of reentrancy: concurrent threads compute the results of a single thread, also under the thread sanitizer.
 #include "stiction/amplitude.hpp"
 #include "stiction/contact.hpp"
 #include "stiction/harmonics.hpp"

@@ -1,5 +1,4 @@
 // Example program that computes the load and the coefficient of static friction of two rough profiles.
-// The example program also computes the Hertzian contact of two smooth arcs.
 #include <stiction/amplitude.hpp>
 #include <stiction/asperity.hpp>
 #include <stiction/contact.hpp>
@@ -13,11 +12,10 @@
 
 namespace {
 
-constexpr double spacing = 0.001;         // spacing, µm
-constexpr stiction::Index points = 4000;  // length of a profile: 4 µm
+constexpr double spacing = 0.001;         // µm
+constexpr stiction::Index points = 4000;  // 4 µm
 const stiction::ContactModel model{stiction::HertzSphere{10.0}};
 
-/// Return a fractal profile [µm] with a total height of 0.1 µm and the dimension D = 1.3 of the paper (H = 4 - 2D).
 std::vector<double> fractal_profile(unsigned seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> phase(0.0, 2.0 * std::numbers::pi);
@@ -30,7 +28,6 @@ std::vector<double> fractal_profile(unsigned seed) {
   return heights;
 }
 
-/// Return the heights [µm] of a circular arc whose apex is at height 0 in the middle of the profile.
 /// `sign` is +1 for a bump on the lower surface, and -1 for a bump on the upper surface.
 std::vector<double> arc(double radius, double sign) {
   std::vector<double> heights(points);
