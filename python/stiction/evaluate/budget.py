@@ -137,7 +137,6 @@ def _evaluate_alternatives_uncached(
     }
 
 
-# Dimensions and values of each variable of a dataset, by the name of the variable.
 _VariablesByName = dict[str, tuple[tuple[str, ...], Floats]]
 
 
@@ -303,7 +302,6 @@ def _evaluate_uncertainty(
     return tables, coordinates
 
 
-# Uncertain inputs by name, and random samples of the pair (mu0, tau0).
 _UncertainInputsAndStrengthSamples = tuple[dict[str, StudyInput], list[JointSamples]]
 
 
@@ -606,7 +604,7 @@ def _get_combined_coefficients(
     combined_friction = arrange_axes(at.variables["mean_friction"], (*dims, "statistic")).copy()
     lower_limits = combined_friction[..., 1]
     combined_friction[..., 1] = np.where((lower_limits < 0) & (combined_friction[..., 0] >= 0), 0.0, lower_limits)
-    # A computed interval may have an infinite upper limit. Only NaN marks an interval that was not computed.
+    # Only NaN marks an interval that was not computed: a computed interval may have an infinite upper limit.
     is_known = ~np.isnan(known_intervals).any(axis=-1)
     combined_friction[is_known] = known_intervals[is_known]
     if study.surfaces.both_readings and "cut_off" in dims:

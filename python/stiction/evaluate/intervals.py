@@ -64,7 +64,7 @@ class LoadCrossings:
     fraction: Floats
     reached: NDArray[np.bool_]
     below: NDArray[np.bool_]
-    # Loads of the curves, and requested loads. None if no ratio of a quantity to the load is interpolated.
+    # Loads of the curves and requested loads, or None if no ratio of a quantity to the load is interpolated.
     scale: tuple[Floats, Floats] | None = None
 
     @classmethod
@@ -525,7 +525,6 @@ def average_line_means(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats,
     _, first_indices, index = np.unique(lines, return_index=True, return_inverse=True)
     line_means = values
     if first_indices.size > 1:
-        # `line_means` has one element for each line. The mean of the elements equals the mean over all positions.
         position_counts = np.bincount(index).reshape(-1, *(1,) * (values.ndim - 1))
         line_sums = np.zeros((first_indices.size, *values.shape[1:]))
         np.add.at(line_sums, index, values)

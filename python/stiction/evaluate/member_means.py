@@ -306,7 +306,7 @@ def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Datase
     directions cancel except for round-off, which would have a random sign.
     """
     mu0, tau0 = (members[name].values.reshape([-1 if dim == name else 1 for dim in dims]) for name in ("mu0", "tau0"))
-    # The limits of an interval are NaN if there are few members. Comparisons with NaN are False.
+    # With few members, the limits of an interval are NaN, and comparisons with them are False.
     exceeds_round_off = (np.abs(means) >= NEGLIGIBLE_COEFFICIENT).any(axis=-1)
     is_zero = ~exceeds_round_off & (mu0 == 0) & (tau0 == 0)
     return np.where(is_zero[..., np.newaxis] & ~np.isnan(means), 0.0, means)

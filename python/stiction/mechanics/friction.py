@@ -244,7 +244,6 @@ class FrictionLaw:
         mean_pressure = np.minimum(load / area, pressure)
         frictional, adhesive = self.contributions(mean_pressure, 1.0)
         with np.errstate(invalid="ignore", divide="ignore"):
-            # At `limit_pressure`, the friction mu0 p + tau0 reaches the shear strength.
             limit_pressure = np.where(np.asarray(self.mu0) > 0, (strength - self.tau0) / np.asarray(self.mu0), np.inf)
             relative_limit = np.clip(limit_pressure / pressure, 0.0, 1.0)
             limited_traction = frictional * _compute_limited_pressure_ratio(
@@ -287,7 +286,7 @@ def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, shear_ratio: Any) -> F
     slope = np.asarray(shear_ratio * mu0 / PLANE_STRAIN_HARDNESS_TO_SHEAR_STRENGTH)
     margin = np.maximum(1 - shear_ratio * tau0 / hardness - slope * (1 + np.pi / 2), 0.0)
     linear_coefficient = slope * (1 + np.pi / 2) * np.sqrt(2.0)
-    # If mu0 is 0 and tau0 equals the shear strength, x is 0/0. `np.fmax` replaces this NaN by 0.
+    # If mu0 is 0 and tau0 equals the shear strength, x is 0/0, which `np.fmax` replaces by 0.
     with np.errstate(invalid="ignore"):
         x = np.fmax(2 * margin / (linear_coefficient + np.sqrt(linear_coefficient**2 + 8 * margin)), 0.0)
         x = np.minimum(x, np.sqrt(0.5))

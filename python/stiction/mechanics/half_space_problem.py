@@ -349,7 +349,6 @@ def tabulate_solutions(solutions: Sequence[ContactSolution]) -> dict[str, NDArra
     load, approach, error = (
         np.array([getattr(solution, name) for solution in solutions]) for name in ("load", "approach", "error")
     )
-    # By reciprocity, the mean displacement is Σ (contact pressure · displacement under uniform pressure).
     displacement = np.add.reduceat(pressures * displacements, first_point)
     attraction_force = np.zeros(load.size)
     if problem.work_of_adhesion > 0:

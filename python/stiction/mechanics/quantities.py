@@ -78,7 +78,6 @@ class ResultQuantity:
     proportional: bool = False
     # False if the quantity is not proportional to the load between adhesive bodies.
     proportional_with_adhesion: bool = True
-    # True if the mean of the quantity over an ensemble is weighted by the load.
     weighted: bool = False
     # Name of the quantity that gives the fraction of members for which this quantity is only a lower bound.
     bound_fraction: str = ""

@@ -314,7 +314,7 @@ class ContactSettingsForMeasuredSurfaces(CommonContactSettings):
             )
             elasticity = derive_elasticity(young, poisson, is_named=data.get("materials") is not None)
         except (ValueError, IndexError):
-            # Errors in the moduli are ignored here. The validation of the keys `young` and `poisson` reports them.
+            # The validation of the keys `young` and `poisson` reports errors in the moduli.
             return data
         derived_elasticity: dict[str, Any] = {
             "effective_modulus": exact_quantity(elasticity.effective_modulus, "GPa"),
@@ -732,7 +732,6 @@ def choose_load_steps(
                 [_insert_intermediate_loads(given_loads), smaller_loads, [given_loads.max() * MAX_AREAL_LOAD_RATIO]]
             )
         )
-    # Inserted loads are rounded to six digits. Requested loads stay unchanged.
     requested_loads = set(given_loads.tolist())
     rounded_loads = np.array(
         [load if load in requested_loads else float(f"{load:.6g}") for load in load_steps.tolist()]

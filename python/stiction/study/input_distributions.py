@@ -72,8 +72,7 @@ MAX_POISSON_RATIO = 0.5
 # A von Mises body whose hardness is three times its yield strength has a junction growth of α = 27.
 MAX_JUNCTION_GROWTH_COEFFICIENT = 100.0
 SLIP_LINE_TEXT = "slip-line"
-# Accepted range in slip-line theory.
-MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5
+MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5  # slip-line theory
 # The exponent m of fine asperities is far above the lower limit, that of surfaces with steps below the upper limit.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
 MAX_AREA_LOSS = 0.9

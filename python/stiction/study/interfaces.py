@@ -136,7 +136,6 @@ class StrengthFit:
     freedom: int
     # Probability of a larger chi-squared by chance, or NaN without given errors or without degrees of freedom.
     probability: float
-    # Factor by which the fit multiplied the errors of the tests.
     scale: float
     # P-value of a trend of the residuals with the load, which is small if the law does not fit.
     trend: float

@@ -122,8 +122,7 @@ class LineMemberSource:
     pairs: LinePairs
     scans: tuple[MeasuredBody, MeasuredBody]
     offsets: int = 1
-    # Relative positions (µm) of each pair of lines, or None for a quasi-random sequence.
-    positions: tuple[float, ...] | None = None
+    positions: tuple[float, ...] | None = None  # µm, None for a quasi-random sequence
 
     def member(self, index: int) -> EnsembleMember:
         """Return the member with a given index: the slider, and the part of the counterface under the slider."""

@@ -193,7 +193,7 @@ class OptionCondition:
     """Condition under which an option applies to a pair, and the error message if the condition does not hold."""
 
     is_met: Callable[[PairProperties], bool]
-    # Message that follows the option name if the condition is not met. {name} in the message stands for another option.
+    # The text {name} in a message stands for another option.
     message: str
 
 
@@ -426,8 +426,7 @@ class FormField:
 class PairOption:
     """Declaration of one option of a measured pair, for the command line, Python, study files and the app."""
 
-    # Placeholder of an option's value in the help, such as PRESSURE, or an empty text for a switch.
-    value: str
+    value: str  # empty for a switch
     # The text {name} stands for another option.
     help: str
     kind: OptionKind | None = None

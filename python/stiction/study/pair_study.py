@@ -436,7 +436,6 @@ class MeasuredPair:
             float(load) if (factor := area if per_area else width_factor) == 1 else float(f"{load * factor:.12g}")
             for load, per_area in self._given_loads
         }
-        # A load of 0 is replaced by a load far below the attraction on one grid cell, and so below the pull-off force.
         if 0.0 in forces:
             forces = {
                 force or float(f"{ZERO_LOAD_REPLACEMENT_FRACTION * self._max_cell_adhesion_force:.3g}")

@@ -51,8 +51,7 @@ class VariableSpec:
     bounds: tuple[float, float] = STORED_VALUE_BOUNDS
     may_be_nan: bool = False
     is_required: bool = True
-    # Name of the dimension along which the numbers must strictly increase. Empty if the numbers may be in any order.
-    ascending_dim: str = ""
+    ascending_dim: str = ""  # empty for any order
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,7 +87,7 @@ def check_values(
     if has_nan and not may_be_nan:
         raise DamagedFileError(f"has {name} with a value that is not a number")
     if has_nan or math.isinf(smallest_value) or math.isinf(largest_value):
-        # An infinite number is permitted only if it equals one of the bounds. Finite numbers are checked afterwards.
+        # An infinite number is permitted only if it equals one of the bounds.
         is_permitted = np.isnan(values) | np.isin(values, [bound for bound in bounds if math.isinf(bound)])
         smallest_value, largest_value = (
             _find_extremes(values[~is_permitted]) if not is_permitted.all() else (math.inf, -math.inf)

@@ -286,7 +286,6 @@ def _add_bracketing_loads(
             # If the upper load is still too large, the validation of the section rejects this load.
             highest_load = min(highest_load, max(loads) * max(math.sqrt(max_load / max(loads)), 1.001))
     except (ValueError, TypeError, AttributeError):
-        # Invalid entries are reported by the validation of the section.
         return {}
     bracketing_loads = [
         exact_quantity_text(float(f"{load:.6g}"), "mN") for load in (min(loads) / MAX_AREAL_LOAD_RATIO, highest_load)
@@ -747,7 +746,7 @@ def find_section_differences(
     serialized, differences = (first_section.model_dump(), second_section.model_dump()), []
     for name in dict.fromkeys((*type(first_section).model_fields, *type(second_section).model_fields)):
         field = type(first_section).model_fields.get(name) or type(second_section).model_fields[name]
-        # A field without `repr` contains a body in memory. Bodies are compared by their checksums, in another field.
+        # A field without `repr` contains a body in memory, which is compared by its checksum in another field.
         if not field.repr:
             continue
         first_value, second_value = getattr(first_section, name, None), getattr(second_section, name, None)

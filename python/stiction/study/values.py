@@ -210,7 +210,7 @@ class SettingsSection(BaseModel):
         except ValidationError as error:
             raise _convert_validation_errors(type(self), error, "") from None
 
-    # With this attribute, pydantic calls no constructors of nested sections. One error then lists all faults.
+    # With this attribute, pydantic calls no constructors of nested sections, so that one error lists all faults.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
 

@@ -87,7 +87,6 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
     for angle in np.linspace(0, np.pi, _NUM_STEP_DIRECTIONS, endpoint=False) if is_map else [0.0]:
         distance_across = np.cos(angle) * coordinates[0] + np.sin(angle) * coordinates[-1]
         block_order = np.argsort(distance_across, kind="stable")
-        # Each candidate edge defines a height step without mean and tilt, onto which the heights are projected.
         projections, *trend_sums = np.cumsum(np.take(rows, block_order, axis=1), axis=1)[:, candidate_edges]
         square_norms = num_blocks_below[candidate_edges] - np.square(trend_sums).sum(axis=0)
         explained_square_sums = np.square(projections) / square_norms

@@ -35,7 +35,6 @@ class NoiseFloorFit(NamedTuple):
     """Fit of a power law A q^-s plus white noise to several spectra, with the same noise level in all spectra."""
 
     level: float
-    # Increase of the log-likelihood due to the noise floor.
     gain: float
     exponents: tuple[float, ...]
     # Ratio of the fitted noise density to the fitted power law at the largest wave number of each spectrum.

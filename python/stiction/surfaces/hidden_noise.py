@@ -26,7 +26,6 @@ from stiction.surfaces.surface import Surface
 MAX_FITTED_WAVELENGTH_POINTS = 16.0
 _BINS_PER_OCTAVE = 8
 _MIN_FIT_BINS = 8
-# Assumed relative deviation of the true spectral density from a power law in each bin.
 _RELATIVE_MODEL_ERROR = 0.1
 # Spectral exponents of the lines of self-affine surfaces with the Hurst exponents 0 and 2.
 _LINE_SPECTRUM_EXPONENT_RANGE = (1.0, 5.0)
@@ -39,7 +38,6 @@ _MAX_FITTED_NOISE_RATIO = 2.0
 class NoiseHiddenInSpectrum:
     """White noise that a scan may contain without a noise floor in its spectrum, and a suitable filter cutoff."""
 
-    # Fraction of the mean square slope of a scan that is due to noise.
     slope_fraction: float
     # Cutoff (µm) of the low-pass filter that removes the fraction `slope_fraction` of the mean square slope.
     cut_off: float

@@ -40,8 +40,7 @@ _RELATIVE_MODEL_ERROR = 0.1
 _SPECTRUM_PIECE_PENALTY = 10.0
 # Random scatter of a spectrum causes a deviance of about 1 per bin; separate peaks cause much larger deviances.
 _MAX_DEVIANCE_PER_BIN = 10.0
-# Minimum width of the fitted wave number band, in ln(q): about half a decade.
-_MIN_BAND_WIDTH = math.log(3)
+_MIN_BAND_WIDTH = math.log(3)  # about half a decade
 _ROLL_OFF_PENALTY = 2.0
 
 

@@ -22,8 +22,7 @@ SPACING_TOLERANCE = 1e-6
 class ExtractedHeights(NamedTuple):
     """Heights, spacing, history and missing points of a body of this package, or of an object of another library."""
 
-    # Heights (µm) with the shape (n,) or (rows, columns).
-    heights: Floats
+    heights: Floats  # µm, (n,) or (rows, columns)
     spacing: tuple[float, ...]  # (Δx,) or (Δy, Δx), µm
     history: tuple[str, ...]
     missing: Any = None

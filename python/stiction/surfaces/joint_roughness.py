@@ -58,7 +58,6 @@ def measure_joint_roughness(face: Any, direction: float) -> JointRoughness:
     direction_vector = np.array([math.sin(angle), math.cos(angle)])[-face.heights.ndim :]
     spacing = np.array(face.spacings)
     largest_index = np.array(face.heights.shape) - 1
-    # The offset between compared points is reduced if the face is shorter than the sampling interval.
     offsets = SAMPLING_INTERVAL * direction_vector / spacing
     offsets *= min(1.0, float(np.min(largest_index / np.maximum(np.abs(offsets), 1e-9))))
     steps = np.rint(offsets).astype(int)

@@ -30,7 +30,6 @@ MAX_OUTLIER_GROUP_SIZE = 4
 # In rounding steps, the median deviation of rounded heights is 0.25 from a mean of neighbours, and 0.21 to 0.33 from a
 # line through neighbours.
 _MEDIAN_ROUNDING_DEVIATION = 0.25
-# Round-off of heights after a form was subtracted, as a fraction of the height range.
 _FORM_ROUND_OFF_FRACTION = 1e-10
 # A scan has flat regions if at least this fraction of its heights is within a rounding step of the neighbours.
 _MAX_FLAT_FRACTION = 0.25
@@ -278,7 +277,6 @@ def _compute_deviations_in_strip(
         [2 * shifted_heights(step, sign) - shifted_heights(step, 2 * sign) for step in neighbour_steps]
         for sign in (1, -1)
     ]
-    # Heights are extrapolated linearly from neighbours: from both sides in profiles, from eight directions in maps.
     extrapolated_heights = (
         [_compute_finite_median(extrapolation[:3], 1) for extrapolation in extrapolations]
         if heights.ndim == 1

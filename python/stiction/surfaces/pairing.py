@@ -74,8 +74,7 @@ class LinePairs:
     surrogates: SurrogateBodies = "none"
     seed: int = 2016
     has_several_pairs: bool = False
-    # Number of equally spaced pairs of lines, or None for an unlimited sequence of pairs.
-    count: int | None = None
+    count: int | None = None  # None for an unlimited sequence
 
     def max_pair_count(self) -> int | None:
         """Return the number of different line pairs, or None (unlimited) for pairs of surrogates."""
@@ -281,8 +280,7 @@ class MapPairs:
     lower: Surface
     level: SurfaceTrend = "plane"
     seed: int = 2016
-    # Shifts (x, y) of the upper map (µm) that replace the default shifts.
-    shifts: tuple[tuple[float, float], ...] | None = None
+    shifts: tuple[tuple[float, float], ...] | None = None  # µm
 
     @cached_property
     def spacing(self) -> tuple[float, float]:

@@ -514,7 +514,6 @@ def interpolate_rotated(surface: Surface, y: Any, x: Any, angle: float) -> tuple
     source_row = ((rows - 1) * dy / 2 - x * math.sin(angle) + y * math.cos(angle)) / dy
     source_column = ((columns - 1) * dx / 2 + x * math.cos(angle) + y * math.sin(angle)) / dx
     spline = RectBivariateSpline(np.arange(rows), np.arange(columns), surface.heights)
-    # Round-off must not move positions beyond the sides of the map.
     source_row, source_column = np.clip(source_row, 0, rows - 1), np.clip(source_column, 0, columns - 1)
     heights, missing = spline.ev(source_row, source_column), None
     if surface.missing is not None:

@@ -24,8 +24,7 @@ if TYPE_CHECKING:
 
 AmplitudeMeasure = Literal["height", "Ra", "Rq"]
 Side = Literal["lower", "upper"]
-# Orientation of lines in a surface: "x" for rows, "y" for columns.
-LineOrientation = Literal["x", "y"]
+LineOrientation = Literal["x", "y"]  # rows, columns
 # The heights of a generated body of this size take 0.8 GB of memory.
 MAX_POINTS = 100_000_000
 # Smallest and largest spacing (µm) for which the powers of slopes and curvatures do not overflow.

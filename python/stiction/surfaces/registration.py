@@ -30,8 +30,7 @@ _MAX_COARSE_POINTS = {1: 2048, 2: 128}
 _MAX_REFINEMENTS = 20
 # Fractions of a Gauss-Newton step that are tried in this order until the rms gap decreases.
 _GAUSS_NEWTON_STEP_FRACTIONS = (1.0, 0.5, 0.25)
-# The registration has converged if a step moves no corner of the upper face by more than this distance (points).
-_CONVERGENCE_DISTANCE = 1e-4
+_CONVERGENCE_DISTANCE = 1e-4  # points, of the corners of the upper face
 _CORRELATION_PEAK_HALF_WIDTH_FRACTION = 0.05
 
 

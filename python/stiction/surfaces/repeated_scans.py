@@ -27,8 +27,7 @@ if TYPE_CHECKING:
 # The powers of smaller heights (µm) underflow.
 MIN_HEIGHT_RANGE = 1e-70
 MIN_CORRELATION = 0.5
-# Standard deviations (points) of the Gaussian filters of successive alignment steps.
-_SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)
+_SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)  # points
 _NUM_STEPS_PER_SMOOTHING_WIDTH = 4
 # After a Gaussian filter with a deviation of one point, white noise counts as independent at this distance (points).
 _POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
@@ -321,7 +320,6 @@ def _resample_at_shift(a: Floats, b: Floats, shift: Floats) -> tuple[Floats, Flo
     from scipy.ndimage import map_coordinates
 
     overlap, positions = _slice_overlap(a.shape, b.shape, shift)
-    # A shift by a whole number of points needs no interpolation.
     if _is_integer_shift(shift):
         return a[overlap], b[np.ix_(*(np.round(axis_positions).astype(np.intp) for axis_positions in positions))]
     return a[overlap], map_coordinates(b, np.meshgrid(*positions, indexing="ij"), order=5)

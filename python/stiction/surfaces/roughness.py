@@ -224,7 +224,6 @@ def surface_parameters(
     z = surface.heights
     deviation = z - z.mean()
     scale = float(np.abs(deviation).max())
-    # The deviations are scaled, because their fourth power could overflow or underflow.
     deviation /= scale
     values = {
         **_compute_height_parameters(deviation, scale),

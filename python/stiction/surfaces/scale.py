@@ -41,7 +41,6 @@ _MIN_DENSITY_RATIO_OF_RISE = 3.0
 MAX_NEGLIGIBLE_NOISE_FRACTION = 0.1
 # With this ratio, a Gaussian filter transmits 8 % of the amplitude at the removed wavelength.
 CUTOFF_TO_REMOVED_WAVELENGTH_RATIO = 1.9
-# Fraction of the mean square slope below which a contribution counts as round-off.
 _MIN_SLOPE_FRACTION = 1e-4
 # In the shortest octave of a scan, aliasing flattens the spectrum of a rough surface.
 _MIN_ALIASED_SURFACE_EXPONENT = 0.6
@@ -54,7 +53,6 @@ _MIN_QUANTISATION_FRACTION = 0.3
 _MAX_FLAT_EXPONENT = 0.35
 # A noise floor may be steeper than a flat spectrum, because the surface contributes to its longer wavelengths.
 _MAX_FLOOR_EXPONENT = 0.7
-# Wavelengths below this fraction of the noise limit contain only noise.
 _PURE_NOISE_WAVELENGTH_FRACTION = 0.7
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
 _MAX_EQUAL_NOISE_RATIO = 2.0
@@ -63,7 +61,6 @@ _MIN_HIDING_DENSITY_RATIO = 0.8
 # With fewer independent lines, neighbouring lines share their noise, like rows with offsets, so the other axis does not
 # hide this noise.
 _MIN_INDEPENDENT_LINES = 8.0
-# Shortest wavelength to which spectra are extrapolated, divided by the shortest wavelength of the scan.
 _MIN_EXTRAPOLATION_RATIO = 1e-6
 _NUM_BISECTION_STEPS = 60
 
@@ -458,7 +455,6 @@ def instrument_limit(
     )
     if len(spectra) == 2 and any(limit > 0 for limit in noise_wavelengths):
         is_common, hidden_mean_square_slope = _compare_noise_along_axes(spectra, noise_wavelengths)
-        # If noise differs between x and y, the axis whose noise contributes more to the mean square slope is reported.
         noisier_axis = int(np.nanargmax(noise_wavelengths if is_common else noise_mean_square_slopes))
         is_floor = [disturbance.noise_kind in INSTRUMENT_REASONS for disturbance in disturbances]
         noise_wavelength = float(np.nanmin(noise_wavelengths)) if is_common else noise_wavelengths[noisier_axis]
@@ -618,12 +614,10 @@ def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: li
 class _NoiseAndTexture(NamedTuple):
     """Noise and periodic texture in a line spectrum: longest noisy wavelength, and period of the texture."""
 
-    # Longest wavelength (µm) that noise affects, or NaN without noise.
-    wavelength_limit: float
+    wavelength_limit: float  # µm, NaN without noise
     noise_kind: str
     mean_square_slope: float
-    # Wavelength (µm) of a periodic texture, or NaN without a texture.
-    period: float
+    period: float  # µm, NaN without texture
 
 
 def _find_noise_and_texture(

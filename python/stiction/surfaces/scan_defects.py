@@ -229,7 +229,6 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
     if min(heights.shape) <= _NUM_DRIFT_STRIPS * _MIN_STRIP_POINTS:
         return 0.0
     differences = [np.diff(heights, axis=axis) / body.spacings[axis] for axis in range(heights.ndim)]
-    # The derivatives along x and y are computed at the centres of the grid cells.
     if heights.ndim == 2:
         differences = [
             (differences[0][:, 1:] + differences[0][:, :-1]) / 2, (differences[1][1:] + differences[1][:-1]) / 2

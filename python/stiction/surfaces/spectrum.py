@@ -23,7 +23,6 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_bo
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Factor that allows for round-off when two lengths are compared.
 ROUND_OFF_FACTOR = 1 + 1e-9
 _PEAK_BINS_PER_DECADE = 24
 _PEAK_WINDOW_BINS = 6

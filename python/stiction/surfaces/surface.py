@@ -15,7 +15,6 @@ from stiction.surfaces.profile import MAX_POINTS, Body, Profile, select_from_mas
 
 AnyBody = TypeVar("AnyBody", bound="Profile | Surface")
 SurfaceAmplitudeMeasure = Literal["height", "Sa", "Sq"]
-# Type of a function argument that can be a Profile, a Surface, or an array of heights.
 BodyLike = Any
 
 # Names of amplitudes in the C++ core, which processes the heights of a map in the same way as a profile.

@@ -289,7 +289,6 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
     density[-1] = density[-2]
     density = _fit_densities(response, measured_density, wave_count, density)
     predicted_density = response @ density
-    # The densities are scaled so that the surrogate has exactly the mean square slope of the profile.
     slope_weights = np.bincount(bin_index, spectrum.count * wave_number**2)
     density *= float(slope_weights @ measured_density / (slope_weights @ predicted_density))
     return edges, density, np.append(wave_count, 0.0)

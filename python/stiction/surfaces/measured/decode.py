@@ -14,8 +14,6 @@ from stiction.surfaces.measured.raw import FormatError
 MAX_LINES, MAX_CELLS_PER_LINE = 25_000_000, 4_000_000
 """Largest number of lines in a text file, and largest number of cells in a line."""
 
-# The header of a known file layout is searched for in this number of lines, and of characters at the start of each
-# line.
 MAX_FIRST_LINES, MAX_FIRST_LINE_LENGTH = 200, 1000
 CHARACTERS_PER_STEP = 250_000
 _MAX_SHOWN_LENGTH = 60
@@ -62,7 +60,6 @@ class DecodedText:
 
     data: bytes
     encoding: str
-    # Additional words that mark missing points in a text file.
     words: tuple[str, ...] = ()
 
     @cached_property

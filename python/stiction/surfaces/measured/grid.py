@@ -14,7 +14,6 @@ EXACT_POSITION_TOLERANCE = 1e-3
 # Maximum distance of a point from its grid node (grid steps), beyond the rounding of the printed position.
 MAX_GRID_OFFSET = 0.05
 MAX_NODES_PER_POINT = 4
-# Minimum grid step of rounded positions, in units of the last printed digit.
 MIN_STEP_OF_ROUNDED_POSITIONS = 2.0
 # In units of the last printed digit, rounding displaces positions by up to 1, and the error of the fitted step adds
 # 0.2.

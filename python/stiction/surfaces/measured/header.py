@@ -307,7 +307,6 @@ class ColumnHeadings:
 
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
-    # Unit of the heights in a header line that mentions heights and no other quantity.
     height_unit: str | None = None
 
 

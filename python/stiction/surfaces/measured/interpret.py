@@ -63,8 +63,7 @@ class ReadOptions:
     outliers: OutlierTreatment
     # Region (µm) to read: first and last x and, for a surface, first and last y.
     crop: tuple[float, ...] | None
-    # Numbers that mark missing points, in the unit of the file.
-    codes: tuple[float, ...] = ()
+    codes: tuple[float, ...] = ()  # in the unit of the file
     words: tuple[str, ...] = ()
     accept: tuple[str, ...] = ()
     # True if the caller gives one unit for the heights, and for positions whose unit the file does not state.
@@ -254,7 +253,6 @@ def _make_profile_or_surface(
         code_caveats = [item for item in remaining_caveats if item.name == "repeated-extreme"]
         raise FormatError("; ".join([str(error), *map(str, code_caveats)])) from None
     history = (f"read from {name}", *raw.history, *steps, *crop_and_fill_steps)
-    # Read-only heights are shared with the body instead of being copied.
     heights = make_read_only(heights) if heights.base is None else heights
     body = kind(heights, spacing=spacing[0] if kind is Profile else spacing, history=history, missing=missing)
     return InterpretedScan(body, unit, num_missing, remaining_caveats)
@@ -519,7 +517,6 @@ def _determine_profile_spacing(
                 _find_worst_unexplained_deviation(x, direction * given, resolution, MAX_STEP_UNEVENNESS * given)
                 is not None
             ):
-                # Unequally spaced positions are reported first, before positions that contradict the option `spacing`.
                 _reject_uneven_positions(x, mean_spacing, resolution)
                 numbering_hint = "".join(f"; {caveat.remedy}" for caveat in raw.caveats if caveat.name == "numbering")
                 raise FormatError(

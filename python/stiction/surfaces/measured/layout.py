@@ -9,7 +9,6 @@ from typing import Any
 from stiction.surfaces.measured.decode import DecodedText
 from stiction.surfaces.measured.raw import FormatError, ReaderResult, parse_number, parse_positive_number
 
-# Rows of cells of each sheet of a workbook, by the name of the sheet.
 WorkbookSheets = Mapping[str, Sequence[Sequence[Any]]]
 
 MAX_DECLARED_COUNT = 100_000_000

@@ -54,14 +54,11 @@ class ScannedHeights:
     """Heights (µm, NaN at missing points) and spacing of a scan, and whether the heights were read from a text file."""
 
     heights: Floats
-    # Spacing (µm) of a scan along y and x, or of a profile along x.
-    spacing: tuple[float, ...]
-    # Conversion factor from the numbers in the file to µm.
-    factor: float = 1.0
+    spacing: tuple[float, ...]  # µm, along y and x
+    factor: float = 1.0  # from numbers in the file to µm
     # False for heights passed as an array: they may be computed, so that some checks do not apply.
     from_file: bool = True
-    # Height range (µm) that the header of the file states.
-    declared_range: float | None = None
+    declared_range: float | None = None  # µm, stated in the header
     # True for heights read from text, where whole numbers may be counts of an analogue-to-digital converter.
     from_text: bool = True
 
@@ -166,7 +163,6 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
         ),
         key=sum,
     )[1:]
-    # Possible codes, each with its distance from the other heights and with the range of the other heights.
     candidates = []
     for num_low_codes, num_high_codes in code_counts:
         remaining_values = ordered_heights[num_low_codes : ordered_heights.size - num_high_codes]

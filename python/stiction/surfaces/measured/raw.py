@@ -147,13 +147,11 @@ class HeightProvenance:
     """Provenance of the heights in a scan file: layout, column, encoding, separators and line numbers."""
 
     layout: str = ""
-    # Column, channel or block of the file that contains the heights.
     column: str = ""
     encoding: str = ""
     separator: str = ""
     decimal_mark: str = ""
-    # First and last line of the heights in a text file, counted from 1.
-    lines: tuple[int, int] | None = None
+    lines: tuple[int, int] | None = None  # counted from 1
     lines_above: int = 0
     lines_below: int = 0
 
@@ -168,27 +166,19 @@ class RawHeights:
     Missing heights are NaN.
     """
 
-    # Heights in the unit of the file, with the shape (n,) or (rows, columns).
-    heights: Floats
+    heights: Floats  # in the unit of the file
     unit: str | None = None
     positions: Floats | None = None
-    # Function that returns the place value of the last printed digit of each position.
     digits: LastDigitValueFunction | None = None
-    # Unit of the positions or, without positions, of the spacing.
     position_unit: str | None = None
-    # Spacing (Δx,) or (Δy, Δx) of the heights, if the file has no positions.
-    spacing: tuple[float, ...] | None = None
+    spacing: tuple[float, ...] | None = None  # (Δx,) or (Δy, Δx)
     declared_spacing: DeclaredLength | None = None
-    # Spacing of the rows and spacing of the columns, as declared in the file.
-    declared_spacings: tuple[DeclaredLength, DeclaredLength] | None = None
-    # Declared height and width of the map.
-    size: tuple[DeclaredLength, DeclaredLength] | None = None
+    declared_spacings: tuple[DeclaredLength, DeclaredLength] | None = None  # rows, columns
+    size: tuple[DeclaredLength, DeclaredLength] | None = None  # height, width
     history: tuple[str, ...] = ()
     source: HeightProvenance = HeightProvenance()
-    # Numbers that mark missing points according to the file.
     codes: tuple[float, ...] = ()
-    # Declared factor that converts the numbers in a file to `unit`.
-    factor: float | None = None
+    factor: float | None = None  # from numbers in the file to `unit`
     bare_spacing: tuple[float, ...] | None = None
     unclear_spacing: UnclearSpacing | None = None
     height_range: DeclaredLength | None = None
@@ -204,7 +194,6 @@ class WordColumn:
     words: str
     rarest_word: str
     missing: NDArray[np.bool_]
-    # Different units of length in the column, if all words of the column are units.
     units: tuple[str, ...] = ()
 
 
@@ -233,7 +222,6 @@ class ColumnTable:
     block_lengths: tuple[int, ...] = ()
     block_lines: tuple[int, ...] = ()
     caveats: tuple[FileCaveat, ...] = ()
-    # Columns of words, whose numbers in `values` are NaN.
     word_columns: tuple[WordColumn, ...] = ()
 
     def last_digit_value_function(self, column: int) -> LastDigitValueFunction | None:
@@ -247,16 +235,12 @@ class HeaderDeclarations:
     """Declarations in the header of a table: lengths, units, factors and codes for missing points."""
 
     spacing: DeclaredLength | None = None
-    # Declared spacings of the rows and of the columns of a map.
-    spacings: tuple[DeclaredLength, DeclaredLength] | None = None
+    spacings: tuple[DeclaredLength, DeclaredLength] | None = None  # rows, columns
     row_spacing: DeclaredLength | None = None
-    # Declared height and width of a map.
-    size: tuple[DeclaredLength, DeclaredLength] | None = None
+    size: tuple[DeclaredLength, DeclaredLength] | None = None  # height, width
     height_range: DeclaredLength | None = None
-    # Declared spacing (Δx,) or (Δy, Δx) without a unit.
-    bare_spacing: tuple[float, ...] | None = None
+    bare_spacing: tuple[float, ...] | None = None  # (Δx,) or (Δy, Δx)
     unclear_spacing: UnclearSpacing | None = None
-    # Declared unit of the heights, which may not be a length.
     unit: str | None = None
     position_unit: str | None = None
     factor: float | None = None
@@ -268,7 +252,6 @@ class HeaderDeclarations:
     points: int | None = None
     tip_radius: DeclaredLength | None = None
     unit_line: str = ""
-    # Header line that declares the numbers of a profile to be slopes.
     slope_line: str = ""
 
 
@@ -277,10 +260,8 @@ class HeightChannels:
     """Named channels of a scan file, each with its own heights."""
 
     names: tuple[str, ...]
-    # Function that returns the heights or the table of a channel, given its index.
     read: Callable[[int], RawHeights | ColumnTable]
-    # Index of the channel that is read by default, or None if the caller must choose a channel.
-    default: int | None
+    default: int | None  # None if the caller must choose
 
 
 ReaderResult = RawHeights | ColumnTable | HeightChannels

@@ -50,9 +50,7 @@ Positions stored in single precision have such deviations, which have no visible
 MIN_MATRIX_COLUMNS = 4
 MAX_TABLE_GRID_POINTS = 100_000_000
 MAX_LISTED_NAMES = 12
-# A caller can choose at most three columns: x, y and z.
-MAX_SELECTED_PROFILE_COLUMNS = 3
-# Minimum count of numbers with slightly unequal steps that are regarded as measured positions.
+MAX_SELECTED_PROFILE_COLUMNS = 3  # x, y and z
 MIN_JITTERED_POSITIONS = 8
 MAX_RELATIVE_STEP_DEVIATION = 0.5
 # A surface counts as tilted if heights and point index have at least this correlation in every line.
@@ -586,7 +584,6 @@ def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
         if first_number not in (0.0, 1.0) or not np.array_equal(table.values[:, 0], first_number + np.arange(rows)):
             return table, ()
         if table.names[0].strip() and table.names[0].strip().casefold() not in ("index", "unnamed: 0") and columns == 2:
-            # The row numbers stay in the table and become positions, with a caveat.
             return table, ()
         return _select_table_columns(table, range(1, columns)), ("the first column, which numbers the rows, removed",)
     is_numbered = rows > 2 and columns > 2 and not table.names and np.isnan(table.values[0, 0])

@@ -115,10 +115,8 @@ class SpacingDeclarations:
     """Spacings and size of a scan that the header of a file declares."""
 
     spacing: DeclaredLength | None = None
-    # Declared spacings of the rows and of the columns of a map.
-    spacings: tuple[DeclaredLength, DeclaredLength] | None = None
-    # Declared height and width of a map.
-    size: tuple[DeclaredLength, DeclaredLength] | None = None
+    spacings: tuple[DeclaredLength, DeclaredLength] | None = None  # rows, columns
+    size: tuple[DeclaredLength, DeclaredLength] | None = None  # height, width
     row_spacing: DeclaredLength | None = None
     bare_spacing: tuple[float, ...] | None = None
     unclear: UnclearSpacing | None = None

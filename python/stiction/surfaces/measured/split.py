@@ -32,7 +32,6 @@ _MIN_SAMPLED_LINE_LENGTH = 200
 # The last printed digit of a column is determined from at most this number of rows.
 MAX_SAMPLED_ROWS = 20_000
 MAX_CELLS_IN_COUNT_LINE = 2
-# Cell separator in a text whose quotation marks were removed.
 _QUOTED_SEPARATOR = "\x1f"
 _EXPONENT_PATTERN = r"(?:[eE]([+-]?[0-9]{1,3}))?"
 
@@ -113,13 +112,11 @@ class NumberBlock:
     """Matrix of numbers in a text file, with the line number of each row."""
 
     text: DecodedText
-    # Line numbers of the table rows, counted from 0.
-    lines: LineNumbers
+    lines: LineNumbers  # counted from 0
     dialect: Dialect
     values: Floats
     # First line with fewer cells than the table has columns, for example where the shorter of two profiles ends.
     first_short_line: int | None = None
-    # Line numbers of counts and sizes above the table, which are not table rows.
     skipped_lines: tuple[int, ...] = ()
 
     def row_cells(self, line: int) -> list[str]:
@@ -135,7 +132,6 @@ class NumberBlock:
         max_decimals = -1000
         count = self.lines.size
         sampled_lines = np.arange(count)
-        # Half of the sampled rows are at the start of a table, and the others are spread over the rest of the table.
         if count > MAX_SAMPLED_ROWS:
             half = MAX_SAMPLED_ROWS // 2
             sampled_lines = np.concatenate([sampled_lines[:half], np.linspace(half, count - 1, half).astype(np.int64)])

@@ -45,7 +45,6 @@ def replace_word_columns(text: DecodedText) -> tuple[DecodedText, tuple[WordColu
         separator: _find_word_table(text, lines[:_MAX_SEPARATOR_SEARCH_LINES], separator)
         for separator in _CELL_SEPARATORS
     }
-    # If several separators give equally many columns of numbers, the first separator is chosen.
     separator = max(tables_by_separator, key=lambda candidate: len(tables_by_separator[candidate].numeric_columns))
     if not tables_by_separator[separator].word_counts:
         return text, ()
@@ -100,10 +99,8 @@ class _TableWithTextColumns:
     numeric_columns: set[int] = field(default_factory=set)
     lines: list[int] = field(default_factory=list)
     rows: list[list[str]] = field(default_factory=list)
-    # Number of occurrences of each word, by column.
-    word_counts: dict[int, Counter[str]] = field(default_factory=dict)
-    # Lines in which a word marks a missing point, by column.
-    missing_lines: dict[int, list[int]] = field(default_factory=dict)
+    word_counts: dict[int, Counter[str]] = field(default_factory=dict)  # by column
+    missing_lines: dict[int, list[int]] = field(default_factory=dict)  # by column
 
 
 def _find_word_table(text: DecodedText, lines: Sequence[int], separator: str | None) -> _TableWithTextColumns:
@@ -140,7 +137,6 @@ def _find_word_table(text: DecodedText, lines: Sequence[int], separator: str | N
                 table.missing_lines.setdefault(index, []).append(line)
     for index, counts in kinds.items():
         words = Counter({cell: count for cell, count in counts.items() if _is_word(cell, dialect, text, given_words)})
-        # A column is ignored if each of its words marks a missing point.
         if words and not {cell.casefold() for cell in counts} <= given_words:
             table.word_counts[index] = words
     return table

@@ -42,8 +42,7 @@ def _find_height_unit(sheets: WorkbookSheets) -> str | None:
     )
 
 
-# Columns E and F contain positions and heights.
-_PROFILE_COLUMNS = (4, 5)
+_PROFILE_COLUMNS = (4, 5)  # E and F
 _CUT_OFF_CONDITION_PATTERN = re.compile(r"\s*CUT\s*([0-9.,]+\s*[^\W\d_]{1,3})\s*", re.IGNORECASE)
 
 

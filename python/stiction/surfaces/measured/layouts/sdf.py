@@ -27,8 +27,7 @@ from stiction.surfaces.measured.raw import FormatError, HeightProvenance, RawHei
 from stiction.surfaces.measured.split import parse_numbers_in_lines
 
 _SDF_VERSION_PATTERN = re.compile(r"a(ISO|NPL|BCR|EUNA|GBS)-?\S{0,12}", re.IGNORECASE)
-# This pattern matches other versions of the format, such as "aBC-1.0".
-_OTHER_VERSION_PATTERN = re.compile(r"a[A-Z]{1,8}[- ]?V?[0-9.]{1,8}", re.IGNORECASE)
+_OTHER_VERSION_PATTERN = re.compile(r"a[A-Z]{1,8}[- ]?V?[0-9.]{1,8}", re.IGNORECASE)  # such as "aBC-1.0"
 _DECLARATION_PATTERN = re.compile(r"([A-Za-z]{1,30})\s*=\s*(\S.{0,200})?")
 
 
