@@ -100,7 +100,7 @@ def measure_time_and_error(solve: Callable[..., Any], heights: np.ndarray, load:
 
 
 def run_benchmark(grid_sizes: tuple[int, ...] = (512, 1024)) -> list[tuple[str, str]]:
-    # Each solver defines its error differently. With these tolerances, all solvers reach about the same common error.
+    # The solvers define their errors differently, but reach about the same common error with these tolerances.
     solvers = {"tamaas": create_tamaas_solver(STICTION_SOLVER_TOLERANCE)}
     if importlib.util.find_spec("aspher"):
         solvers["aspher"] = create_aspher_solver(1.5e-7)

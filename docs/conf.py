@@ -48,7 +48,7 @@ html_static_path = ["_static"]
 html_css_files = ["stiction.css"]
 html_math_renderer = "mathml"
 
-# Run the code cells of each page in an empty directory at every build. An error in a cell ends the build.
+# The code cells of each page run in an empty directory at every build, and an error in a cell ends the build.
 nb_execution_mode = "force"
 nb_execution_in_temp = True
 nb_execution_timeout = 300

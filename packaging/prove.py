@@ -43,7 +43,7 @@ SYSTEM_PROGRAM_DIRECTORIES = [
     Path(directory) for directory in ("/usr/local/sbin", "/usr/local/bin", "/usr/sbin", "/usr/bin")
 ]
 
-# Print the visible compilers, Eigen, GSL and FFTW. The script runs inside the environment and, once, outside.
+# The script runs inside the environment and, once, outside.
 INSPECTION_SCRIPT = """
 import os, shutil, sys
 path = os.environ["PATH"] + os.pathsep + sys.argv[1]

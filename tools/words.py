@@ -29,10 +29,10 @@ ROOT = Path(__file__).resolve().parents[1]
 WORD_RULES_FILE = ROOT / "tools/words.toml"
 SENTENCE_KINDS = ("docstring", "comment", "message", "documentation", "commit subject")
 NAME_KINDS = ("function", "class", "constant", "variable", "test")
-MIN_COMMENT_LENGTH = 25  # minimum length (characters) of a drawn comment; most shorter ones are units and markers
-MIN_SENTENCE_WORDS = 7  # minimum number of words in a drawn sentence of the documentation
-MAX_COMMITS = 200  # number of newest commits from which subjects are drawn
-MAX_SAMPLE_LENGTH = 300  # maximum number of printed characters of a sentence
+MIN_COMMENT_LENGTH = 25  # characters; most shorter comments are units and markers
+MIN_SENTENCE_WORDS = 7
+MAX_COMMITS = 200
+MAX_SAMPLE_LENGTH = 300
 # Maximum length (lines) of a drawn function, because a reader cannot explain a longer one quickly.
 MAX_FUNCTION_LINES = 40
 PYTHON_DIRECTORIES = ("python/stiction", "tests", "benchmarks", "docs", "examples", "packaging", "tools", "dev")

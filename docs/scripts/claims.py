@@ -404,7 +404,6 @@ def _fit_slope_over_dimensions(r: ResampledMeans, values: Floats, start: float, 
     return np.asarray((values[:, is_used] * x).sum(axis=1) / (x * x).sum())
 
 
-# Ranges of fractal dimensions that the claims mention.
 _LOW_DIMENSION_RANGE, _MIDDLE_DIMENSION_RANGE, _UPPER_DIMENSION_RANGE, _HIGH_DIMENSION_RANGE = (
     (1.0, 1.2),
     (1.3, 1.5),

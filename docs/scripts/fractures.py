@@ -25,21 +25,18 @@ from stiction.views.style import (
 )
 
 IMAGE_FILE = Path(__file__).resolve().parents[1] / "images/fractures.png"
-# Diameter (µm) from which the authors compute the stress. In the coordinates of the map, the face has 124 to 125 mm.
+# The authors compute the stress from this diameter (µm); in the coordinates of the map, the face has 124 to 125 mm.
 DISC_DIAMETER = 122e3
 YOUNG_MODULUS, POISSON_RATIO = (
     11.0,
     0.33,
 )  # Young's modulus (GPa, measured as 10 to 12) and Poisson's ratio (assumed by the authors)
-LOW_STRESS_RANGE, HIGH_STRESS_RANGE = (
-    (1.0, 2.0),
-    (5.0, 10.0),
-)  # stresses (MPa) between which a secant stiffness is computed
-TANGENT_STIFFNESS_STRESSES = 1.0, 2.0, 5.0  # stresses (MPa) at which errors of the tangent stiffness are listed
+LOW_STRESS_RANGE, HIGH_STRESS_RANGE = ((1.0, 2.0), (5.0, 10.0))  # MPa
+TANGENT_STIFFNESS_STRESSES = 1.0, 2.0, 5.0  # MPa
 SECANT_STRESS_RANGES = LOW_STRESS_RANGE, (2.0, 5.0), HIGH_STRESS_RANGE
-DIGITISING_STEP = 4.0  # resolution (µm) of the digitised heights
-FIT_WAVELENGTH_RANGE = 1e3, 10e3  # wavelength range (µm) for the fit of the Hurst exponent
-MIN_STRESS = 0.2  # lowest measured stress (MPa)
+DIGITISING_STEP = 4.0  # µm
+FIT_WAVELENGTH_RANGE = 1e3, 10e3  # µm
+MIN_STRESS = 0.2  # MPa
 
 
 def read_gap(directory, name, *, square=True):

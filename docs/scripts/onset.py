@@ -174,7 +174,7 @@ def _sticking_contact_stiffness(is_contact: np.ndarray, *, is_fixed_along_y: boo
     num_unknowns = num_contact_points * (1 + is_fixed_along_y)
     target_displacement = np.zeros(num_unknowns)
     target_displacement[:num_contact_points] = 1.0
-    # Add a constant to the kernel, whose mean is zero, to make it positive definite. Its effect is removed at the end.
+    # A constant added to the kernel, whose mean is zero, makes the kernel positive definite, and is removed at the end.
     mean_compliance = 10.0 / EFFECTIVE_MODULUS
 
     def compute_displacement_with_mean(q: np.ndarray) -> np.ndarray:

@@ -26,9 +26,9 @@ from stiction.views.style import (
 
 IMAGE_FILE = Path(__file__).resolve().parents[1] / "images/pla_silicone.png"
 TABLE_LOADS = (10, 20, 30, 50, 100, 150, 200, 300, 400, 500, 600, 700)
-MIN_FITTED_LOAD = 50.0  # lowest load (mN) that both fits include
+MIN_FITTED_LOAD = 50.0  # mN
 MAX_LOAD = 700.0  # load (mN) above which values jump, as if the measuring range had changed
-FORCE_CELL_RELATIVE_ERROR = 0.02  # relative standard error of the force cell
+FORCE_CELL_RELATIVE_ERROR = 0.02
 
 
 def fit_laws(load, coefficient, standard_error):

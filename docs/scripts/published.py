@@ -7,7 +7,6 @@ import numpy as np
 from stiction import Surface, half_space, self_affine_surface
 
 NUM_POINTS, SHORTEST_WAVELENGTH, NUM_SEEDS = 512, 8, 3
-# Mean pressures for which contact areas are computed, divided by E* h'.
 MEAN_PRESSURES_OVER_MODULUS_TIMES_SLOPE = (0.01, 0.05, 0.1, 0.2, 0.4)
 
 

@@ -13,7 +13,7 @@ from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE
 COMMAND_OPTIONS = [
     text for name, value in (EXAMPLE_PAIR_OPTIONS | {"load": "50 MPa"}).items() for text in (f"--{name}", str(value))
 ]
-NUM_COLUMNS = 80  # number of characters in a line of the terminal
+NUM_COLUMNS = 80
 LINE_HEIGHT, CHARACTER_WIDTH = 4.2, 1.98  # mm
 IMAGE_MARGIN, LABEL_WIDTH, DISC_RADIUS = 3.0, 7.0, 1.75  # mm
 FONT_SIZE = 9.3  # font size (points) at which a character of DejaVu Sans Mono is CHARACTER_WIDTH wide

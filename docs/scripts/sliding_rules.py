@@ -23,7 +23,7 @@ UPPER_OFFSETS = np.array(
 )  # offsets of the upper asperities from the lower asperities, along the sliding direction
 SPACING = 3.0  # distance between lower asperities
 FLAT_HEIGHT = 0.45  # height of the flat between asperities above the centres of the asperities
-ARROW_LENGTH = 1.15  # length of friction arrows
+ARROW_LENGTH = 1.15
 NUM_POINTS = 1200
 RULE_TITLES = {"all": "friction at all contacts", "opposing": "friction at opposing contacts only"}
 

@@ -427,7 +427,7 @@ async def _start_module(
                 await asyncio.wait_for(process.wait(), grace_time)
         if process.returncode is None:
             process.kill()
-            # The killed process must end before the event loop closes. Otherwise, its connection would stay open.
+            # The connection of a killed process would stay open if the event loop closed before the process ends.
             with suppress(TimeoutError):
                 await asyncio.wait_for(process.wait(), KILLED_PROCESS_TIMEOUT)
         error_task.cancel()

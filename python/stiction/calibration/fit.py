@@ -72,12 +72,10 @@ class _BestFit:
 
     mu0: float
     tau0: float  # GPa
-    # Normal score of each nuisance parameter: its quantile of the standard normal distribution.
     scores: Floats
     residuals: Floats
     # Derivatives of the residuals (times `robust_factors`) and of the nuisance parameters by the fitted parameters.
     jacobian: Floats
-    # Square root of each test's weight, which is smaller for an outlier.
     robust_factors: Floats
     scale: float
 
@@ -91,8 +89,7 @@ class _GridLimits:
     deviance_range: float
     min_tau0: Floats
     max_tau0: Floats
-    # Best mu0 for each nuisance point and tau0, with the shape (points, tau0). None if no contact grows under shear.
-    best_mu0: Floats | None = None
+    best_mu0: Floats | None = None  # (points, tau0), None without growth
     width_below: Any = None
     width_above: Any = None
 
@@ -102,8 +99,7 @@ class _ProbabilityGrid:
     """Log-probabilities in the cells of grids of mu0 and tau0, with one grid per sample of the nuisance parameters."""
 
     limits: _GridLimits
-    # ln(likelihood of the test results), without the prior of the nuisance parameters. Shape: (points, tau0, mu0).
-    log_probability: Floats
+    log_probability: Floats  # (points, tau0, mu0), without prior
 
 
 class CalibrationProblem:
@@ -250,7 +246,6 @@ class CalibrationProblem:
             self.fixed_strengths,
         )
         residual_shifts = self._run_membership * (mu0_coefficient * mu0 + tau0_coefficient * tau0) / self.error
-        # Error of each test due to differences between runs, if the relative standard deviation between runs is 1.
         self._run_errors = (residual_shifts * self.error).sum(axis=0)
         residual_shifts = np.where(self.slid, residual_shifts, 0.0)
         shift_norms = np.linalg.norm(residual_shifts, axis=1)
@@ -673,7 +668,6 @@ class CalibrationProblem:
             log_volume = log_volume + np.log((grid_limits.max_tau0 - grid_limits.min_tau0) / num_tau0_cells)
         # If the interface seizes in all cells of the grid, `log_volume` is infinite or NaN.
         log_volume = np.where(np.isfinite(log_volume), log_volume, 0.0)
-        # A cell without width, near seizure, has the probability 0.
         with np.errstate(divide="ignore"):
             log_mu0_step = np.log(mu0_step) if self.fixed_strengths[0] is None else np.zeros(mu0_step.shape)
         log_probability += (log_norm + log_volume)[:, np.newaxis, np.newaxis] + log_mu0_step[..., np.newaxis]

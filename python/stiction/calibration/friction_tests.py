@@ -115,11 +115,10 @@ class _FrictionTestSums:
 
     sums: Mapping[str, float]
     scatter: float = 0.0
-    # Checksum of the tested surfaces. Tests with equal checksums have the same error of the computed contact area.
+    # Tests with equal checksums of their surfaces have the same error of the computed contact area.
     surfaces: str = ""
     hardness: float = math.nan
-    # Ratio of the true to the computed contact area, or None if the ratio is always 1.
-    area_factor: AreaFactor | None = None
+    area_factor: AreaFactor | None = None  # None for a ratio of 1
 
 
 @dataclass(frozen=True)
@@ -127,7 +126,7 @@ class AreaFactor:
     """Factor from the computed to the true contact area of a friction test, as a function of uncertain inputs."""
 
     uncertain_inputs: Mapping[str, UncertainInput]
-    # Checksum of the tested surfaces. Tests with equal checksums have the same area loss.
+    # Tests with equal checksums of their surfaces have the same area loss.
     surfaces: str
 
     def nuisance_name(self, name: str) -> str:

@@ -180,7 +180,6 @@ def characterise(
             from stiction.views.report.surface import surface_page
 
             remark = ", without a figure" if len(output_paths) == 1 else ""
-            # The report quotes the command line without directories and without the option --output.
             arguments = ["stiction", "characterise", files[0].name]
             for parameter in context.command.params:
                 if parameter.name not in ("files", "output", "verbose", "as_json") and option_was_given(

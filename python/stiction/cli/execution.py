@@ -30,7 +30,7 @@ def open_executor(workers: int | None, scheduler: str | None) -> contextlib.Abst
         return thread_pool_executor(workers)
     if workers is not None:
         raise StudyError("--workers must not be combined with --scheduler")
-    # A cluster needs Dask, whose import `main` prevents by this entry.
+    # `main` sets this entry to None to prevent the import of Dask, which a cluster needs.
     if sys.modules.get("dask") is None:
         sys.modules.pop("dask", None)
     return connect_to_cluster(scheduler)
@@ -94,7 +94,7 @@ def compute_result_in_directory(
         raise error.with_remedy(_conflict_advice(error, study, is_replaceable=is_replaceable)) from None
     except KeyboardInterrupt:
         resume_text = ""
-        # Opening the result fails if no result is stored yet. The error is not reported.
+        # Opening the result fails if no result is stored yet.
         with contextlib.suppress(StoreError):
             stored_result = open_stored_result(directory)
             count_text = study.member_names.with_count(stored_result.study.ensemble.repetitions)

@@ -9,8 +9,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-# Exit status after Ctrl-C, as in shells.
-EXIT_INTERRUPTED = 130
+EXIT_INTERRUPTED = 130  # as in shells
 EXIT_BAD_INPUT = 2
 
 

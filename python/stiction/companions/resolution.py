@@ -151,8 +151,7 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
 class ResolvedRoughness:
     """Roughness of the gap at the wavelengths that the scans resolve, with an extrapolation to shorter wavelengths."""
 
-    # Shortest resolved wavelength (µm): the cutoff, or two grid spacings.
-    shortest: float
+    shortest: float  # cutoff or two grid spacings, µm
     two_points: float  # two grid spacings, µm
     longest: float  # µm
     gradient: float
@@ -243,8 +242,7 @@ class YieldWavelengthEstimate:
     """Cutoff (µm) at which elastic contacts reach a hardness H, and the friction mu0 + tau0/H of yielding contacts."""
 
     hardness: float
-    # Cutoff wavelength (µm), or NaN if the pressure does not reach the hardness at any cutoff.
-    wavelength: Estimate
+    wavelength: Estimate  # µm, NaN if the pressure stays below the hardness
     friction: float
 
 
@@ -253,7 +251,6 @@ class CutoffResult:
     """Friction, roughness, area fraction and pressure of a pair at one cutoff, load, mu0 and tau0."""
 
     at: dict[str, float]
-    # Rms gradient, area fraction and pressure at the cutoff, and the friction under each sliding rule.
     values: dict[str, float]
     contact_status: str
     cutoffs: ScanCutoffs  # µm

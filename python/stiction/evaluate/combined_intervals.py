@@ -35,7 +35,6 @@ UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME = "which piece of the upper part"
 SAMPLING_INPUT_NAMES = (UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME, POSITIONS_INPUT_NAME)
 """Names of the uncertainty sources that are not inputs of the study: the choice of scans and of positions."""
 
-# Name of the input that stands for both mu0 and tau0 in an uncertainty budget, if both come from one calibration.
 INTERFACE_INPUT_NAME = "interface"
 # The uncertainty budget averages the interval widths that remain if an input is fixed at each of these quantiles.
 FIXED_INPUT_QUANTILES = (0.1, 0.5, 0.9)
@@ -142,8 +141,7 @@ class _InputSamples:
     probabilities: dict[str, Floats]
     scores: dict[str, Floats]
     values: dict[str, Floats]
-    # Random samples of the effective modulus E*, each divided by the E* of the study.
-    modulus: Floats | float
+    modulus: Floats | float  # relative to E* of the study
     creep: Floats | None
 
 

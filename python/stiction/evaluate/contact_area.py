@@ -165,7 +165,6 @@ class _SolvedAreas:
     """True areas (µm²) that a result stores, averaged over members, as arrays (cutoffs, loading steps)."""
 
     all_members: Floats
-    # True areas, averaged over the members with a stored elastic area.
     elastic_members: Floats
     # NaN if the study needs no elastic areas.
     elastic: Floats

@@ -23,7 +23,6 @@ INTERVAL_STATISTICS = ["mean", "lower", "upper"]
 NUM_LOAD_STEPS_PER_SIDE_OF_SLOPE_FIT = 4
 MAX_INTERPOLATED_LOAD_RATIO = 10.01
 """Largest ratio of two successive computed loads that allows interpolation between them."""
-# Larger batches of array elements would not be faster.
 MAX_VALUES_PER_BATCH = 2**17
 MIN_SAMPLE_SIZE = 3
 MIN_NEIGHBOURING_POSITIONS = 8
@@ -544,11 +543,9 @@ class ScanPairMean:
     """Mean of a quantity over all pairs of an upper and a lower scan, with its variance components."""
 
     mean: float
-    # Variances of the mean that are due to upper scans, lower scans and positions.
-    variances: tuple[float, ...]
+    variances: tuple[float, ...]  # of upper scans, lower scans and positions
     # Degrees of freedom of the variance of the mean (Satterthwaite, 1946).
     freedom: float
-    # Standard deviation of a single new test about the mean.
     test: float
     test_freedom: float
 

@@ -146,7 +146,6 @@ class PointQuantities:
 
     estimates: dict[str, Estimate]
     numbers: dict[str, float]
-    # Quantiles by the name of the distribution and by the probability.
     distributions: dict[str, dict[float, Estimate]]
 
 

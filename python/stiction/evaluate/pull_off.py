@@ -32,7 +32,6 @@ class PullOffValues:
     friction: Estimate
     # True if the pull-off force of some members is only known to exceed a lower bound.
     is_bound: bool
-    # Labels of the uncertain inputs that affect friction at zero load only through the area.
     area_inputs: tuple[str, ...] = ()
 
     @property

@@ -66,9 +66,7 @@ CONTACT_LOAD_REDUCTION_RATIO = 0.6
 PULL_OFF_LOAD_TOLERANCE = 0.01
 # A pull-off load is confirmed if plain steps separate the bodies at an external load that is lower by this fraction.
 LOAD_MARGIN_OF_MINIMUM_CHECK = 0.05
-# Interpolation between equilibria continues only if the predicted load is below every computed load by this fraction.
 MIN_PREDICTED_LOAD_DECREASE = 0.003
-# Equilibria whose contact loads differ by a smaller fraction are too close to each other for interpolation.
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
 MAX_REFINEMENT_SOLVES = 6
 # After a larger relative change of the external load, a separation may have passed equilibria.

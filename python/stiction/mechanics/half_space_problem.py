@@ -368,7 +368,6 @@ def tabulate_solutions(solutions: Sequence[ContactSolution]) -> dict[str, NDArra
     }
 
 
-# Slopes are too steep for the model if the gap exceeds this multiple of the side length of the grid.
 MAX_GAP_TO_LENGTH_RATIO = 1e6
 
 

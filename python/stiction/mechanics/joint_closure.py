@@ -12,7 +12,6 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# A fitted closure curve is rejected if its maximum closure V exceeds this multiple of the largest computed closure.
 MAX_CLOSURE_EXTRAPOLATION = 10.0
 
 

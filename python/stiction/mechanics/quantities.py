@@ -42,8 +42,7 @@ bodies with an onset of sliding, of measured bodies, and of bodies that yield be
 STIFFNESS_PER_AREA_UNIT = "MPa/mm"
 """Unit of all stiffnesses per area in datasets and files. This unit is usual for rock joints and machine joints."""
 
-# Factor that converts a stiffness per area from GPa/µm to `STIFFNESS_PER_AREA_UNIT`.
-STIFFNESS_PER_AREA_FACTOR = 1e6
+STIFFNESS_PER_AREA_FACTOR = 1e6  # from GPa/µm
 
 MAX_STORED_VALUE = 1e100
 """Largest magnitude of a finite stored number. Sums of products of two stored numbers do not overflow."""
@@ -64,7 +63,6 @@ class ResultQuantity:
     along: tuple[QuantityAxis, ...] = ()
     dtype: type = float
     numerator: str = ""
-    # Names of the quantities whose sum is the denominator of a validity indicator.
     denominator: tuple[str, ...] = ()
     sum_under_load: str = ""
     bounds: tuple[float, float] = (-math.inf, math.inf)

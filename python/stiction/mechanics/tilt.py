@@ -33,11 +33,9 @@ from stiction.mechanics.solution_record import SolutionRecord, StepResult
 
 MAX_RELATIVE_FORCE_OFFSET = 1e-4
 MAX_TILT_SOLVES_PER_LOAD = 60
-# Largest displacement of the surface's edge by one change of the tilt, in standard deviations of the gap.
 MAX_EDGE_DISPLACEMENT_STEP = 0.5
 # Keeps Newton's equations solvable, in units of (mean pressure) · (side length)² / (standard deviation of the gap).
 ADDED_MOMENT_PER_SLOPE = 1e-6
-# In a search for the tilt from rigid surfaces, tolerance of displacements relative to the largest displacement.
 INDENTATION_TOLERANCE = 1e-6
 MAX_CUTTING_PLANES = 200
 # Accepted error of the potential energy of rigid surfaces, as a fraction of (load) · (range of the gap).

@@ -24,7 +24,6 @@ STEEP_POINT_FRACTION = 0.1
 QUANTILE_PROBABILITIES = tuple(round(0.05 * step, 2) for step in range(1, 20))
 """Probabilities of the stored quantiles of contact areas and contact pressures. The pressures are weighted by area."""
 
-# Maximum number of grid cells of a small contact, whose area depends on the grid.
 MAX_CELLS_OF_SMALL_CONTACT = 4
 
 
@@ -34,8 +33,7 @@ class PairSlopeStatistics:
 
     steep_masks: dict[str, NDArray[np.bool_]]
     steepness_limits: dict[str, float]
-    # Mean square slopes of the gap: along y and x for maps, along x for profiles.
-    gap_mean_squares: list[float]
+    gap_mean_squares: list[float]  # along y and x, or along x
     # Mean of (slope along y) · (slope along x) of the gap, or 0 for profiles.
     gap_mean_product: float
 

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from multiprocessing.connection import Connection
     from multiprocessing.context import ForkProcess
 
-# Minimum number of grid points for which several threads make a Fourier transform faster.
 MIN_THREADED_POINTS = 2**16
 WORKER_DIED_MESSAGE = "a worker process ended unexpectedly; the available memory may be too small"
 _Result = TypeVar("_Result")

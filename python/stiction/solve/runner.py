@@ -446,7 +446,6 @@ class SharedResultDirectory:
     """Result directory into which workers write block files, if a worker can access the directory."""
 
     path: Path
-    # Name of a file in the blocks directory that exists until the run ends.
     token: str
 
     def is_accessible(self) -> bool:

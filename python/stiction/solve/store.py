@@ -823,7 +823,6 @@ class BlockFileContent:
     numbers: NDArray[np.int64]
     arrays: ArraysByName
     bodies: BodyAttributes
-    # True if the coordinates in the block are bit-identical to the coordinates of the study.
     is_exact: bool
 
 

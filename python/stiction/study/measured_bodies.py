@@ -61,8 +61,7 @@ BodyPair = tuple[Profile, Profile] | tuple[Surface, Surface]
 CutoffPair = tuple[float, float]  # µm, of the upper and the lower scan
 
 
-# Cutoff wavelengths (µm) of all upper scans and of all lower scans.
-ScanCutoffs = tuple[tuple[float, ...], tuple[float, ...]]
+ScanCutoffs = tuple[tuple[float, ...], tuple[float, ...]]  # µm
 
 
 def _parse_unit(value: object) -> str:

@@ -77,7 +77,6 @@ from stiction.surfaces.surface import Surface, as_body
 # All 64 relative positions of two profiles together take a few seconds to compute.
 DEFAULT_NUM_POSITIONS = 64
 NUM_ADHESION_LOADS = 4
-# Load that replaces a load of 0, as a fraction of the largest attraction on one grid cell.
 ZERO_LOAD_REPLACEMENT_FRACTION = 1e-3
 DEFAULT_CONTACT_LAW = "hertz-sphere"
 # Ratio of hardness to yield strength in the contact law of Jackson and Green.

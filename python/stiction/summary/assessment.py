@@ -58,7 +58,6 @@ MAX_LOAD_FRACTION_AT_EDGE_WITHOUT_CAVEAT = 0.25
 MAX_LOAD_FRACTION_ON_CONTACT_WITHOUT_CAVEAT = 0.4
 
 MIN_MERGED_AREA_FRACTION = 0.3
-# A problem causes a caveat if it affects more than this fraction of the load, the members or the scan length.
 MAX_AFFECTED_FRACTION = 0.5
 MAX_INTERPOLATED_FRACTION = 0.02
 MAX_SCATTERED_MISSING_FRACTION = 0.02
@@ -142,10 +141,8 @@ class LimitCheck(NamedTuple):
     text: str
     remedy: str
     severity: Severity = "fault"
-    # Name of the format in which the number is printed: a key of the dict that `list_number_formats` returns.
     shown: str = "digits"
-    # Name of the number that the text states, or an empty text if the text states the checked number.
-    about: str = ""
+    about: str = ""  # empty for the checked number
 
     @property
     def shown_name(self) -> str:
@@ -824,7 +821,6 @@ def _find_orientation_caveats(point: xarray.Dataset, study: Study) -> Iterator[C
     surfaces: Any = study.surfaces
     ratios = [float(np.max(point.attrs[name])) for name in ("upper_lay", "lower_lay") if name in point.attrs]
     if len(ratios) == 2 and not (surfaces.rotate or surfaces.positions):
-        # The text of the caveat must fit on one line.
         text = f"one orientation of the lays (slope ratio {format_significant(min(ratios), 2)}) is pressed"
         yield Caveat(text, "try --rotate 180", "caution")
 

@@ -27,7 +27,6 @@ MAX_DRAWN_PROFILES = 5
 MAX_DRAWN_CURVES = 8
 LENGTH_SCALE_FACTORS = (0.5, 1.0, 2.0)
 MAX_SURFACE_SIDE_POINTS = 400
-# A figure shows the lowest and the highest tau0 of a study.
 MAX_DRAWN_STRENGTHS = 2
 CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
 """Loads for which the onset of sliding is drawn, as fractions of the load range on a logarithmic scale."""

@@ -131,7 +131,6 @@ def find_input_caveats(
         [caveat for caveat in body_caveats if caveat not in paired_caveats]
         for body_caveats in (upper_caveats, lower_caveats)
     ]
-    # If the gap is given, a single map takes the place of both bodies.
     names = ("gap" if study.is_gap else "both scans", "upper", "lower")
     named_caveats = zip(names, (merged_caveats, *unpaired_caveats), strict=True)
     caveats = [
@@ -388,7 +387,6 @@ def _find_instrument_caveats(
     try:
         limit, tip_limit = defects.instrument_limit, defects.find_tip_limit(cut_off)
     except ValueError:
-        # A flat body has no spectrum.
         return
     if 0 < cut_off < limit.cut_off and limit.slope_fraction > 0 and not has_second_cutoff:
         # Noise causes no caveat if the scan is filtered with at least the cutoff `limit.cut_off`.

@@ -38,13 +38,11 @@ Reports on generated surfaces have more loads, and therefore fewer mu0 and tau0.
 # Limits for measured surfaces (True) and for generated surfaces (False).
 MAX_TAU0_STEPS = {True: 6, False: 5}
 MAX_SHOWN_MU0_OR_TAU0 = 9
-# Largest tau0 in a report, as a fraction of E*, unless the study has a larger tau0.
 MAX_TAU0_OVER_MODULUS = 0.02
 MAX_TAU0_OVER_HARDNESS = NEARLY_BULK_STRENGTH_RATIO / CENTRAL_SHEAR_RATIO
 """Largest tau0 in a report, as a fraction of the hardness, unless the study has a larger tau0."""
 
 NUM_REPORT_LOADS = 40
-# Quantities, besides friction, that a report on measured surfaces evaluates for all mu0 and tau0.
 QUANTITIES_BESIDES_FRICTION = ("contact_count", "gentle_friction")
 
 

@@ -333,7 +333,6 @@ def _fit_local_polynomials(
     ]
     padded_shape = [kernel.padded_size for kernel in kernels]
     unpadded_slices = tuple(slice(points) for points in heights.shape)
-    # As in `rfftn`, the transform of real heights is halved along the last array axis only.
     kernel_transforms = [
         [
             _reshape_along_axis(

@@ -14,7 +14,6 @@ from stiction._checks import Floats
 MIN_FLOOR_LIKELIHOOD_GAIN = 2.0
 _INITIAL_FLOOR_TO_LOWEST_DENSITY_RATIO = 0.3
 _RELATIVE_LOSS_TOLERANCE = 1e-13
-# Nearly all fits of a noise floor need fewer than 20 steps.
 _MAX_FIT_STEPS = 200
 _DAMPING_DECREASE, _DAMPING_INCREASE = 0.1, 10.0
 _INITIAL_DAMPING_TO_HESSIAN_RATIO = 1e-3

@@ -17,7 +17,6 @@ _MIN_SIGNIFICANT_HIGHER_HARMONICS = 2
 _MAX_TESTED_PEAKS = 6
 # By chance, about one bin in 1000 has ten times the spectral density of its neighbours.
 _MIN_HARMONIC_RATIO = 10.0
-# A Hann window spreads a harmonic over this half width.
 _PEAK_HALF_WIDTH_IN_BINS = 2.5
 _SEARCH_POSITIONS_PER_BIN = 16
 # A low quantile of the densities between two harmonics leaves out aliased harmonics.

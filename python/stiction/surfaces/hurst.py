@@ -30,7 +30,6 @@ _TREND_ROUND_OFF = 1e-13
 # A Hann window adds power from the mean and from longer wavelengths to the lowest harmonics.
 _NUM_EXCLUDED_HARMONICS = 2
 
-# 95 % quantile of the chi-squared distribution with one degree of freedom.
 _CHI_SQUARED_QUANTILE_95 = 3.841
 _BINS_PER_DECADE = 12
 _MIN_BINS_PER_PIECE = 4

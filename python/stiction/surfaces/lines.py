@@ -22,7 +22,6 @@ _BOTH_AXES: tuple[LineOrientation, LineOrientation] = ("x", "y")
 # Maximum rms deviation of ln(density) from an accepted power law is the logarithm of this factor.
 MAX_POWER_LAW_MISFIT = 1.5
 _MAX_RATIO_OF_EQUAL_BAND_LIMITS = 1.5
-# Variance of ln(density) in a bin due to deviations of a spectrum from a power law, without random scatter.
 _LOG_MODEL_VARIANCE = 0.04
 _MIN_LINE_POINTS = 7
 

@@ -31,12 +31,10 @@ MAX_OUTLIER_GROUP_SIZE = 4
 # line through neighbours.
 _MEDIAN_ROUNDING_DEVIATION = 0.25
 _FORM_ROUND_OFF_FRACTION = 1e-10
-# A scan has flat regions if at least this fraction of its heights is within a rounding step of the neighbours.
 _MAX_FLAT_FRACTION = 0.25
 _MIN_ROUGH_FRACTION = 0.02
 
-# Width (points) of the window of local medians in profiles (1) and maps (2).
-_WINDOW_WIDTHS = {1: 31, 2: 7}
+_WINDOW_WIDTHS = {1: 31, 2: 7}  # points, of profiles and maps
 # The median of three means of neighbours is correct even if an outlier affects one of the means.
 _MIN_NEIGHBOUR_ESTIMATES = 3
 # An outlier of a map, compared with at least five lines through two neighbours, may lie near this number of lines by
@@ -47,7 +45,6 @@ _MAX_OUTLIER_PASSES = 8
 _NEIGHBOUR_STEPS: dict[int, list[tuple[int, ...]]] = {1: [(1,), (2,), (3,), (4,)], 2: [(0, 1), (1, 0), (1, 1), (1, -1)]}
 _MAX_STRIP_POINTS = 16_384
 _MAX_WINDOWS_PER_BATCH = 100_000
-# Minimum number of points in a group (edge points, or rough points near flat regions) with its own median deviation.
 _MIN_EDGE_POINTS = 20
 
 

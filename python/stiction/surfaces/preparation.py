@@ -510,7 +510,6 @@ def interpolate_rotated(surface: Surface, y: Any, x: Any, angle: float) -> tuple
     from scipy.interpolate import RectBivariateSpline
 
     (dy, dx), (rows, columns) = surface.spacing, surface.heights.shape
-    # `source_row` and `source_column` are the positions, in the original map, of the points of the rotated map.
     source_row = ((rows - 1) * dy / 2 - x * math.sin(angle) + y * math.cos(angle)) / dy
     source_column = ((columns - 1) * dx / 2 + x * math.cos(angle) + y * math.sin(angle)) / dx
     spline = RectBivariateSpline(np.arange(rows), np.arange(columns), surface.heights)

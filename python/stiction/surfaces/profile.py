@@ -27,8 +27,7 @@ Side = Literal["lower", "upper"]
 LineOrientation = Literal["x", "y"]  # rows, columns
 # The heights of a generated body of this size take 0.8 GB of memory.
 MAX_POINTS = 100_000_000
-# Smallest and largest spacing (µm) for which the powers of slopes and curvatures do not overflow.
-MIN_ACCEPTED_SPACING, MAX_ACCEPTED_SPACING = 1e-30, 1e30
+MIN_ACCEPTED_SPACING, MAX_ACCEPTED_SPACING = 1e-30, 1e30  # µm, powers do not overflow
 # A natural cubic spline needs two interior points.
 MIN_POINTS = 4
 

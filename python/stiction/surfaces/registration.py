@@ -24,11 +24,9 @@ ROTATION_STEP = 0.5  # degrees
 GRID_TOLERANCE = 0.02
 MAX_SECOND_CORRELATION_RATIO = 0.7
 MIN_OVERLAP_FRACTION = 0.5
-# Limits of the number of points along each axis of coarsened faces, for profiles (1) and maps (2).
 _MIN_COARSE_POINTS = {1: 64, 2: 16}
 _MAX_COARSE_POINTS = {1: 2048, 2: 128}
 _MAX_REFINEMENTS = 20
-# Fractions of a Gauss-Newton step that are tried in this order until the rms gap decreases.
 _GAUSS_NEWTON_STEP_FRACTIONS = (1.0, 0.5, 0.25)
 _CONVERGENCE_DISTANCE = 1e-4  # points, of the corners of the upper face
 _CORRELATION_PEAK_HALF_WIDTH_FRACTION = 0.05

@@ -31,7 +31,6 @@ _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)  # points
 _NUM_STEPS_PER_SMOOTHING_WIDTH = 4
 # After a Gaussian filter with a deviation of one point, white noise counts as independent at this distance (points).
 _POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
-# Spline interpolation requires this number of points beyond the overlap of two scans.
 _OVERLAP_MARGIN_POINTS = 3
 _NUM_TRIAL_CUTOFFS = 400
 _INTEGER_SHIFT_TOLERANCE_POINTS = 1e-4

@@ -42,7 +42,6 @@ MAX_NEGLIGIBLE_NOISE_FRACTION = 0.1
 # With this ratio, a Gaussian filter transmits 8 % of the amplitude at the removed wavelength.
 CUTOFF_TO_REMOVED_WAVELENGTH_RATIO = 1.9
 _MIN_SLOPE_FRACTION = 1e-4
-# In the shortest octave of a scan, aliasing flattens the spectrum of a rough surface.
 _MIN_ALIASED_SURFACE_EXPONENT = 0.6
 # In 1080 generated profiles of turned surfaces (feeds of 15 to 500 points), this limit saves 14 of 22 false detections
 # of noise.

@@ -63,7 +63,6 @@ MIN_DRIFT_IN_STANDARD_DEVIATIONS = 2.5
 In 400 Gaussian maps with 64 x 64 and 128 x 128 points, 2.6 % had a drift above this limit along one of the two axes.
 """
 
-# Noise or a tip limit is reported if it affects more than this fraction of the mean square slope.
 MAX_NOISE_SLOPE_FRACTION = 0.01
 
 

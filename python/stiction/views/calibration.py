@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from stiction.summary.evaluation import Evaluation
 
 MIN_PRINTED_AREA_PER_LOAD_RANGE = 1e-6
-# Tests are said to narrow an interval if a limit moves by more than this fraction of the interval's width.
 MIN_NARROWING_FRACTION = 0.05
 MAX_SHOWN_SAMPLES = 800
 

@@ -29,8 +29,7 @@ from stiction.views.layout import wrap_text
 from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.spreadsheet import frame_to_csv
 
-# Number of wavelengths for which slopes are printed: 2, 4, 8, ... grid spacings.
-NUM_SLOPE_WAVELENGTHS = 4
+NUM_SLOPE_WAVELENGTHS = 4  # 2, 4, 8, ... grid spacings
 NEGLIGIBLE_SLOPE_FRACTION = 0.01
 _MIN_PEAK_DENSITY_RATIO = 3.0
 _MIN_NUM_LONGER_WAVELENGTHS = 4

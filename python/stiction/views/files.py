@@ -119,7 +119,6 @@ def write_joint_table(
     """
     check_joint_file(path, units)
     table = result.joint_table(load, units=units, closure_from=closure_from)
-    # The sentence describes the pair at the reference load of the table.
     sentence = quotable_sentences(result.summary([table.reference.load]))[0]
     write_new_text_file(path, JOINT_FORMATS[path.suffix.lower()][1](table, sentence))
 

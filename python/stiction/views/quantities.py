@@ -36,9 +36,8 @@ class QuantityRow:
     name: str
     label: str
     estimates: Sequence[Estimate]
-    # Number of printed digits of numbers without intervals, or None if intervals are printed.
     num_digits: int | None = None
-    # Status of each result point. A status other than "ok" is printed instead of the number.
+    # A status other than "ok" is printed instead of the number of a result point.
     statuses: Sequence[str] = ()
 
 

@@ -216,7 +216,6 @@ def _merge_quantities(
     import pandas
 
     titles = [str(name) for name in table]
-    # Columns of the quantities, by the names of the columns that identify a row, such as the load.
     columns_by_keys: dict[tuple[str, ...], list[dict[str, Any]]] = {}
     for name in _csv_quantities(dataset):
         rows = _quantity_columns(dataset, name)

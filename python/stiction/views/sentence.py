@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from stiction.study.study import Study
 
 MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
-# The friction range of finer scans is printed if its width is at least this fraction of the interval's width.
 MIN_STATED_FINER_SCAN_RANGE = 0.05
 MIN_STATED_KAPPA_DEVIATION = 0.2
 """Largest relative deviation of κ = A E* h'/F from the usual value for which the small-slope estimate applies."""

@@ -61,8 +61,7 @@ class ReadOptions:
     channel: NameOrIndex | None
     columns: tuple[NameOrIndex, ...] | None
     outliers: OutlierTreatment
-    # Region (µm) to read: first and last x and, for a surface, first and last y.
-    crop: tuple[float, ...] | None
+    crop: tuple[float, ...] | None  # µm, first and last x (and y)
     codes: tuple[float, ...] = ()  # in the unit of the file
     words: tuple[str, ...] = ()
     accept: tuple[str, ...] = ()

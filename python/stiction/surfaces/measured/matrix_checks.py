@@ -20,12 +20,10 @@ MAX_GRID_NODES_PER_LISTED_POINT = 2
 # A list of points may have columns of coordinates, colours, intensity and normal.
 MAX_POINT_COLUMNS = 12
 MIN_POINT_ROWS = 12
-# Maximum number of rows or columns of statistics, such as means, along one edge of a matrix.
 MAX_STATISTIC_LINES = 6
 # In standard deviations of the heights: larger than the effect of rounding, smaller than the deviation of a measured
 # row.
 MAX_STATISTIC_DEVIATION = 2e-3
-# Maximum number of heights per text line of a profile that is written in several lines.
 MAX_WRAPPED_COLUMNS = 32
 MIN_WRAPPED_LINES = 3
 # A possibly wrapped profile gets no caveat if it is more than this many times as likely to be a map.
@@ -109,7 +107,6 @@ def find_grid_columns(values: Floats) -> tuple[int, int] | None:
     rows, count = values.shape
     if count < 3 or rows < MIN_GRID_POINTS:
         return None
-    # Number of distinct positions in each column, and the index of each row's position among the distinct positions.
     positions: dict[int, tuple[int, Any]] = {}
     for column in range(min(count, MAX_POINT_COLUMNS) if count <= MAX_POINT_COLUMNS else 2):
         if np.isfinite(values[:, column]).all():

@@ -43,10 +43,8 @@ MAX_REPEATED_ROWS = 0.9
 MIN_EQUAL_RUN_LENGTH, MAX_RUN_PROBABILITY = 8, 1e-4
 # A height range that is a power of 1000 (within 10 %) smaller than declared indicates a wrong unit.
 MAX_RATIO_TO_DECLARED_HEIGHT_RANGE, MAX_UNIT_FACTOR_DEVIATION, UNIT_FACTOR = 10.0, 0.1, 1000.0
-# Arrays with fewer heights may be examples for demonstration.
 MIN_CHECKED_POINTS = 20
-# Smallest plausible spacing (1 Å), largest plausible spacing (1 cm) and largest plausible extent (1 m), in µm.
-MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6
+MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6  # µm
 
 
 @dataclass(frozen=True)
@@ -270,7 +268,6 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
         run_ends = np.flatnonzero(np.diff(scan.heights) != 0)
         runs = np.diff(run_ends, prepend=-1, append=scan.heights.size - 1)
         longest_run = int(runs.max())
-        # Fraction of points whose height equals the height of the previous point, not counting the longest run.
         equal_fraction = (scan.heights.size - runs.size - (longest_run - 1)) / scan.heights.size
         if MIN_EQUAL_RUN_LENGTH <= longest_run < scan.heights.size / 2 and (
             scan.heights.size * equal_fraction ** (longest_run - 1) < MAX_RUN_PROBABILITY

@@ -36,11 +36,9 @@ not in words.
 MAX_FILE_BYTES = 2_000_000_000
 # Parsing a text file needs ten times as much memory as its text.
 MAX_TEXT_BYTES = 300_000_000
-# Maximum number of points of a compressed map per byte of its file.
 MAX_POINTS_PER_BYTE = 100
 MAX_POINTS_OF_SMALL_MAP = 1_000_000
-# Smallest and largest spacing or size (µm) that a header can declare.
-MIN_DECLARED_LENGTH, MAX_DECLARED_LENGTH = 1e-6, 1e9
+MIN_DECLARED_LENGTH, MAX_DECLARED_LENGTH = 1e-6, 1e9  # µm
 MIN_DECLARED_NUMBER, MAX_DECLARED_NUMBER = 1e-30, 1e30
 """Smallest and largest factor or length that a header can declare, in any unit."""
 
@@ -189,7 +187,6 @@ class RawHeights:
 class WordColumn:
     """Column of words next to columns of numbers, for example a column of flags such as "OK" and "NG"."""
 
-    # Index of this column among all columns of the table.
     place: int
     words: str
     rarest_word: str
@@ -208,12 +205,10 @@ class ColumnTable:
     values: Floats
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
-    # Function that returns the place value of the last printed digit of each number in a column.
     digits: Callable[[int], Floats] | None = None
     row_digits: Callable[[int], Floats] | None = None
     declared: HeaderDeclarations = field(default_factory=lambda: HeaderDeclarations())
     history: tuple[str, ...] = ()
-    # True for an array of heights, as in NumPy files and maps of instruments.
     is_array: bool = False
     source: HeightProvenance = HeightProvenance()
     # For each column of the table, its number in the file; None if the file has no other columns.
@@ -245,9 +240,7 @@ class HeaderDeclarations:
     position_unit: str | None = None
     factor: float | None = None
     codes: tuple[float, ...] = ()
-    # Integers in a header that are codes for missing points or counts of missing points.
     counts: tuple[float, ...] = ()
-    # Header line with a factor or a height range, which is not applied to the heights.
     unapplied_factor_line: str = ""
     points: int | None = None
     tip_radius: DeclaredLength | None = None

@@ -53,7 +53,6 @@ MAX_LISTED_NAMES = 12
 MAX_SELECTED_PROFILE_COLUMNS = 3  # x, y and z
 MIN_JITTERED_POSITIONS = 8
 MAX_RELATIVE_STEP_DEVIATION = 0.5
-# A surface counts as tilted if heights and point index have at least this correlation in every line.
 MIN_TILT_CORRELATION = 0.98
 # The first number of a column gets a caveat if it has fewer decimals than each of at least this many heights below it.
 MIN_COMPARED_NUMBERS = 20

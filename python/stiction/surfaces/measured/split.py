@@ -29,7 +29,6 @@ from stiction.surfaces.measured.raw import FormatError
 _MAX_SAMPLE_LINES = 60
 _MAX_SAMPLE_CHARACTERS = 10_000
 _MIN_SAMPLED_LINE_LENGTH = 200
-# The last printed digit of a column is determined from at most this number of rows.
 MAX_SAMPLED_ROWS = 20_000
 MAX_CELLS_IN_COUNT_LINE = 2
 _QUOTED_SEPARATOR = "\x1f"
@@ -115,7 +114,6 @@ class NumberBlock:
     lines: LineNumbers  # counted from 0
     dialect: Dialect
     values: Floats
-    # First line with fewer cells than the table has columns, for example where the shorter of two profiles ends.
     first_short_line: int | None = None
     skipped_lines: tuple[int, ...] = ()
 

@@ -55,8 +55,7 @@ MAX_LEGEND_COLUMNS = 4
 
 MIN_COLOUR_BAR_TICKS = 3
 
-# Weights of red, green and blue in the luminance of a colour.
-_LUMINANCE_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
+_LUMINANCE_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])  # red, green, blue
 
 
 def heading_lines(points: xarray.Dataset, study: Study) -> list[str]:
@@ -223,7 +222,6 @@ def _draw_colour_bar(figure: Figure, position: tuple[float, float, float, float]
     if len(ticks) < MIN_COLOUR_BAR_TICKS:
         round_values = MaxNLocator(5, steps=[1, 2, 5]).tick_values(norm.vmin, norm.vmax)
         ticks = [float(tick) for tick in round_values if norm.vmin <= tick <= norm.vmax]
-    # The colour bar has room for about 8 tick labels.
     ticks = ticks[:: max(1, -(-len(ticks) // 8))]
     colour_bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     colour_bar.ax.minorticks_off()

@@ -132,7 +132,6 @@ def _draw_line_spectrum(axes: Axes, line: LineRoughness, axis: str, colour: str)
         exponent, exponent_scatter = float(line.hurst_exponents.mean()), float(line.hurst_exponents.std())
         min_wave_number, max_wave_number = (2 * math.pi / end for end in line.band[::-1])
         is_in_band = has_power & (spectrum.wave_number >= min_wave_number) & (spectrum.wave_number <= max_wave_number)
-        # The fitted line passes through the mean level of the spectrum in the fitted band.
         mean_log_factor = np.log(
             spectrum.wave_number[is_in_band] ** (1 + 2 * exponent) * spectrum.density[is_in_band]
         ).mean()

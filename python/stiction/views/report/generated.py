@@ -153,7 +153,6 @@ def _contains_number(reason: Caveat | LimitCheck) -> TypeGuard[LimitCheck]:
 
 
 _WIDTH_FORMATS = (NumberFormat(0.0, 0.01, "±{} %", 2),)
-# Percentages have the same format as in the output of `stiction at --verbose`.
 _MEAN_PERCENT_FORMATS = (NumberFormat(0.0, 0.01, "{} %", 2),)
 
 

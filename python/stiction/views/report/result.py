@@ -143,7 +143,6 @@ def _draw_report(
     get_data: Callable[[], _AnyReportData], get_content: Callable[[], _ComposedContent]
 ) -> Iterator[Callable[[], HtmlPage]]:
     """Draw the figures of a report in a forked process; yield a function that waits for them and builds the page."""
-    # The module of `draw_panels` imports Matplotlib, so it is imported only here.
     from stiction.views.report.pictures import draw_panels
 
     with evaluate_in_copy(lambda: draw_panels(get_data())) as get_panel_markup:

@@ -21,7 +21,6 @@ from stiction.views.point import SLIDING_RULE_DESCRIPTIONS
 from stiction.views.report.page import HtmlPage, escape_html, read_package_file
 from stiction.views.report.pictures import inline_svg
 
-# The report advises a finer scan if the shortest octave contributes more than this fraction of the mean square slope.
 MAX_SHORTEST_OCTAVE_FRACTION = 0.1
 
 
