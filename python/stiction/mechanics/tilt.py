@@ -34,7 +34,7 @@ from stiction.mechanics.solution_record import SolutionRecord, StepResult
 MAX_RELATIVE_FORCE_OFFSET = 1e-4
 MAX_TILT_SOLVES_PER_LOAD = 60
 MAX_EDGE_DISPLACEMENT_STEP = 0.5
-# Keeps Newton's equations solvable, in units of (mean pressure) · (side length)² / (standard deviation of the gap).
+# This number, in units of (mean pressure) · (side length)² / (gap deviation), keeps Newton's equations solvable.
 ADDED_MOMENT_PER_SLOPE = 1e-6
 INDENTATION_TOLERANCE = 1e-6
 MAX_CUTTING_PLANES = 200

@@ -42,7 +42,7 @@ MAX_HISTORY_ENTRY_CHARACTERS = 1000
 MAX_HISTORY_STEPS = 1000
 
 
-# Above or below a table, up to this fraction of its number of lines, plus 2, may be other lines of numbers.
+# Other lines of numbers above or below a table number at most 2 plus this fraction of the table's lines.
 MAX_FOOTER_FRACTION = 0.1
 
 
