@@ -17,7 +17,7 @@ from support import browser  # noqa: E402
 
 NUM_KEY_PRESSES = 40
 NUM_RANDOM_POINTS = 20
-MAX_PACKING_ERROR = 1e-6  # largest relative error of a number in a report
+MAX_PACKING_ERROR = 1e-6
 # JavaScript that records the time from each key press until the frame is redrawn.
 TIMING_SCRIPT = """
 window.times = [];

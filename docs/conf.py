@@ -61,7 +61,7 @@ direct.single_nb_execution = functools.partial(direct.single_nb_execution, coale
 os.environ["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
 os.environ["TTY_COMPATIBLE"] = "0"
 os.environ["STICTION_SCANS"] = str(Path(__file__).resolve().parents[1] / "examples/scans")
-os.environ["COLUMNS"] = "88"  # number of characters in a line of a code box on a wide screen
+os.environ["COLUMNS"] = "88"  # characters
 
 
 def write_reference_pages(app: Sphinx) -> None:

@@ -36,7 +36,6 @@ MAX_SYMBOL_VERSIONS = {"GLIBC": MAX_GLIBC, "GLIBCXX": (3, 4, 29), "CXXABI": (1, 
 MAX_IMPORT_SECONDS = 5.0
 """Largest accepted time of `import stiction`. An idle machine takes 0.3 s."""
 
-# Dynamic libraries that every Linux system with glibc has.
 SYSTEM_LIBRARY_PATTERN = re.compile(r"(libc|libm|libstdc\+\+|libgcc_s|ld-linux[\w-]*)\.so\.\d+")
 COMPILER_PATTERN = re.compile(r"([\w-]+-)?(cc|c\+\+|gcc|g\+\+|clang|clang\+\+|cpp|ld|as|cmake|ninja|g?make)(-[\d.]+)?")
 SYSTEM_PROGRAM_DIRECTORIES = [

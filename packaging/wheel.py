@@ -25,7 +25,6 @@ VERIFIED_COMMIT_FILE = ROOT / "build/wheel/proven.txt"
 MIN_PYTHON_MINOR = 11
 MAX_PYTHON_MINOR = 14
 
-# Script that checks whether an interpreter is Python 3.N, and can create environments and build extensions.
 INTERPRETER_CHECK_SCRIPT = """
 import os, sys, sysconfig, ensurepip
 header = os.path.join(sysconfig.get_path("include"), "Python.h")

@@ -310,7 +310,6 @@ class ResampledMeans:
                 values = resampled_sums.contact_area
             case "stiffness":
                 values = np.gradient(normal_load, self._loading_steps, axis=-1, edge_order=2)
-                # The half-space model is solved at given loads instead of approaches.
                 if self._step_quantity == "load":
                     approach = self.mean_sums("approach", amplitude or self.amplitude)
                     values = values / np.gradient(approach, self._loading_steps, axis=-1, edge_order=2)

@@ -13,7 +13,7 @@ from stiction.views.style import INCHES_PER_MILLIMETRE, MATPLOTLIB_STYLE
 
 IMAGES_DIRECTORY = Path(__file__).parents[1] / "images"
 
-DIRECTION = 30.0  # direction in degrees from +x towards +y
+DIRECTION = 30.0  # degrees from +x towards +y
 APPROACH = 0.9  # µm
 OPPOSING_CONTACT_COLOUR, ASSISTING_CONTACT_COLOUR, INK_COLOUR, BODY_COLOUR = "#d55e00", "#0072b2", "0.15", "#e3d5bb"
 

@@ -27,7 +27,7 @@ MU0 = 0.4
 
 CLAIM_POINT_COUNTS = (75_000, 150_000, 300_000)
 """Numbers of grid points: half the default number, the default number, and twice the default number."""
-MIDDLE_CLAIM_LOAD = 33e-6  # load (mN), the middle load of the other claims
+MIDDLE_CLAIM_LOAD = 33e-6  # mN, the middle load of the other claims
 
 
 def compute_grid_results(contact_detection: str) -> dict[str, np.ndarray]:

@@ -10,8 +10,7 @@ MAX_PATH_LENGTH = 300  # characters
 MAX_WORD_LENGTH = 80  # characters
 MAX_QUOTED_LINE_LENGTH = 1000  # characters
 
-# Characters of these Unicode categories are escaped: control, format, surrogate, and line separator characters.
-_UNPRINTABLE_CATEGORIES = {"Cc", "Cf", "Cs", "Zl", "Zp"}
+_UNPRINTABLE_CATEGORIES = {"Cc", "Cf", "Cs", "Zl", "Zp"}  # control, format, surrogate and separators
 
 
 def printable_text(text: object, max_length: int = MAX_WORD_LENGTH) -> str:

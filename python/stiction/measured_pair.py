@@ -274,7 +274,6 @@ def pair(
     result_directory = (
         Path(tempfile.mkdtemp(prefix="stiction-")) if directory is None else parse_path("directory", directory)
     )
-    # The temporary directory is removed when Python exits.
     if directory is None:
         atexit.register(shutil.rmtree, result_directory, ignore_errors=True)
     try:

@@ -270,7 +270,6 @@ class Server:
                 async for chunk in request.stream():
                     digest.update(chunk)
                     await asyncio.to_thread(file.write, chunk)
-            # The identifier of a scan is its checksum, so identical scans have the same identifier.
             scan_identifier = digest.hexdigest()[:16]
             path = self.root / "files" / scan_identifier / name
             path.parent.mkdir(parents=True, exist_ok=True)

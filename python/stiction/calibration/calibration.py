@@ -33,7 +33,7 @@ from stiction.study.interfaces import (
     StrengthFit,
 )
 
-# From this number of tests that slid, the errors of the tests can be estimated.
+# The errors of the tests can be estimated from at least this number of tests that slid.
 MIN_SLIDING_TESTS = 3
 MAX_ERROR_SCALE = 3.0
 

@@ -57,10 +57,8 @@ class LoadCrossings:
     A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
     """
 
-    # Index of the first loading step at or above each load, with the shape (..., loads).
-    index: NDArray[np.intp]
-    # Position of each load between two loading steps, from 0 to 1, with the shape (..., loads).
-    fraction: Floats
+    index: NDArray[np.intp]  # (..., loads), first step at or above the load
+    fraction: Floats  # (..., loads), position between two steps, 0 to 1
     reached: NDArray[np.bool_]
     below: NDArray[np.bool_]
     # Loads of the curves and requested loads, or None if no ratio of a quantity to the load is interpolated.

@@ -152,7 +152,6 @@ def max_friction_for_finer_scans(
 
     `value` is mu_s of this scan.
     """
-    # The friction due to tau0 is proportional to the contact area.
     adhesive_friction = np.asarray(value - mu0)
     friction_increase = max_area_for_finer_scans(adhesive_friction, adhesion, contact_count) - np.maximum(
         adhesive_friction, adhesion

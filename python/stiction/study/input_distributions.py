@@ -26,7 +26,6 @@ from stiction.mechanics.friction import CENTRAL_SHEAR_RATIO, MAX_SHEAR_RATIO, MI
 from stiction.study.values import FrictionCoefficients, ShearStrengths
 
 InputDistribution = Literal["exact", "normal", "log-normal", "uniform"]
-# Half width of the 95 % interval of a normal distribution, in standard deviations.
 Z_95 = 1.959963984540054
 # With fewer samples, the fractions of two equally uncertain inputs in an uncertainty budget could differ by over 0.01.
 NUM_INPUT_SAMPLES = 2**14

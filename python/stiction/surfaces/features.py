@@ -39,7 +39,6 @@ def find_significant_peaks(heights: Floats, threshold: float) -> _IndexArray:
     saddles.
     """
     height_order = np.argsort(heights, axis=None, kind="stable")
-    # Points of equal height are ordered by their index in the flattened array.
     rank = np.empty(heights.size, np.int64)
     rank[height_order] = np.arange(heights.size)
     hill_of_point = _find_peak_of_each_point(rank.reshape(heights.shape), height_order)

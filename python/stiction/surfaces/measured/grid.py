@@ -11,8 +11,7 @@ from stiction.surfaces.measured.raw import MAX_DECLARED_NUMBER, FormatError
 
 # Positions within this distance of a uniform grid, in grid steps, count as exact.
 EXACT_POSITION_TOLERANCE = 1e-3
-# Maximum distance of a point from its grid node (grid steps), beyond the rounding of the printed position.
-MAX_GRID_OFFSET = 0.05
+MAX_GRID_OFFSET = 0.05  # grid steps
 MAX_NODES_PER_POINT = 4
 MIN_STEP_OF_ROUNDED_POSITIONS = 2.0
 # In units of the last printed digit, rounding displaces positions by up to 1, and the error of the fitted step adds

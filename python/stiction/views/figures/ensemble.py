@@ -257,7 +257,7 @@ def _draw_friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: flo
     set_log_tick_labels(axes)
     axes.add_patch(_unreached_cell_patch((0, 0), 1, 1, transform=axes.transAxes))
     is_finite = np.isfinite(coefficients)
-    # A cell with the coefficient 0, which has no logarithm, gets the lowest colour of the scale.
+    # The coefficient 0, which has no logarithm, gets the lowest colour of the scale.
     colours = colormaps[FRICTION_COLOUR_MAP](norm(np.where(is_finite, np.maximum(coefficients, norm.vmin), norm.vmin)))
     colours[..., :3] = _fade_colours(colours[..., :3], _compute_cell_fading(friction))
     colours[..., 3] = is_finite
