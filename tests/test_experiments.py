@@ -10,7 +10,7 @@ from stiction import Surface, self_affine_surface
 
 pytestmark = pytest.mark.docs
 FRACTURES_NAMESPACE = runpy.run_path(str(Path(__file__).parents[1] / "docs/scripts/fractures.py"))
-DATA_DIRECTORY = os.environ.get("STICTION_FRACTURES")  # directory with the measured data that the script reads
+DATA_DIRECTORY = os.environ.get("STICTION_FRACTURES")
 EXPONENT_TOLERANCE = 0.15
 DOCUMENTED_STIFFNESS = {
     "vd1": ((37, 116), (48, 122)),

@@ -12,7 +12,7 @@ SCRIPT_FILE = Path(__file__).parents[1] / "docs/scripts/yielding_area.py"
 MAX_DEVIATION = 0.12
 MIN_FRACTION_WITHIN_DEVIATION = 0.88
 MAX_MEAN_DEVIATION = 0.06
-FINITE_ELEMENT_TOLERANCE = 0.1  # relative error of the area on the coarse mesh of this test
+FINITE_ELEMENT_TOLERANCE = 0.1
 
 # Load (over Young's modulus) and true area of cases in docs/scripts/yielding_area.py by finite elements. The loads of
 # profiles give an A/A0 near 0.1, 0.2 and 0.35.

@@ -312,7 +312,6 @@ def test_panel_of_reading_options_opens_for_an_unreadable_scan_and_closes_for_a_
     choose_scan(empty_page, "lower", map_files[1])
     wait_until(lambda: read_scan_texts(empty_page, "lower")["hint"], lambda hint: "Sq" in hint)
     assert not empty_page.execute_script(is_open)
-    # A section of the form stays open if the user has opened it.
     empty_page.find_element("css selector", "#lower-drop summary").click()
     choose_scan(empty_page, "lower", text_file)
     choose_scan(empty_page, "lower", map_files[1])
@@ -413,7 +412,6 @@ def test_app_and_pair_command_give_equal_results_for_maps_after_each_user_action
         rtol=MAX_ROUNDING_ERROR,
     )
 
-    # Both controls show the same mu0 if the report has values for this mu0.
     move_slider = "const field = inside.getElementById('mu0'); field.value = 1;" + DISPATCH_INPUT_EVENT_SCRIPT
     for change_mu0, field_value, report_value in (
         (lambda: run_script_in_report(empty_page, move_slider), "0.1", 0.1),

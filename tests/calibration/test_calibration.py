@@ -201,7 +201,7 @@ def test_uncertainty_of_a_hardness_shared_by_all_pairs_cancels_in_the_prediction
     assert strength.draws["hardness"].quantile([0.025, 0.975]).to_numpy() == pytest.approx([0.5, 1.5], rel=0.1)
     value, lower, upper = strength.predict(predicted_pair, "50 MPa")
     assert value == pytest.approx(0.25, rel=0.02)
-    assert upper - lower < 0.035  # most of this width is due to unresolved roughness
+    assert upper - lower < 0.035
     unrelated_pair = pair(*rough_surface_pair(0.02), hardness="0.5..1.51 GPa", **PAIR_OPTIONS)
     assert np.ptp(strength.predict(unrelated_pair, "50 MPa")[1:]) > 3 * (upper - lower)
     # A hardness given by the same text as in the interface file has the same error as in the calibration.
@@ -375,7 +375,6 @@ def test_calibration_infers_the_true_modulus_within_its_range() -> None:
     fit = interface.fits[0]
     (score,) = fit.scores.values()
     assert np.median(score) == pytest.approx(1.8, abs=0.2)
-    # Errors of the tests are not scaled up, because the tests agree with some modulus inside the range.
     assert fit.scale == 1.0
     assert interface.mu0[1] < MU0 < interface.mu0[2]
     assert interface.tau0[1] < TAU0 < interface.tau0[2]
@@ -610,7 +609,6 @@ def test_unknown_uncertainties_of_friction_tests_are_estimated_from_their_scatte
     tests_without_errors = [FrictionTest(BALL, test.load, coefficient=test.coefficient) for test in tests]
     expected, result = (calibrate(item, sliding="all", common=0.0) for item in (tests, tests_without_errors))
     ratio = (result.identified[2] - result.identified[1]) / (expected.identified[2] - expected.identified[1])
-    # The variance is estimated with six degrees of freedom, so Student's t makes the interval wider.
     assert 0.5 < ratio < 2.5
 
 
@@ -788,7 +786,6 @@ def test_interface_file_preserves_junction_growth(tmp_path) -> None:
     expected = interface.predict(compute_plastic_pair("0..27"), "20 MPa")
     table = result.at("20 MPa")["friction_combined"].sel(sliding="all").squeeze()
     assert table.values[0] == pytest.approx(solve_coefficient(0.2, 0.05, 9.0), rel=0.02)
-    # Without the tests, the given range of α would make the interval four times as wide.
     assert np.ptp(table.values[1:]) < 2 * np.ptp(expected[1:])
     contradicting_result = pair(*rough_surface_pair(0.03), **options, interface=path, junction_growth=20)
     assert any("calibrated with junction growth 0..27" in caveat.text for caveat in contradicting_result.caveats)
@@ -984,7 +981,7 @@ def test_calibration_text_states_an_interval_of_area_per_load_if_the_modulus_is_
     ratios = [ball.area_per_load(float(load)) for load in LOADS]
     assert [float(word) for word in range_text.split(" to ")] == pytest.approx([min(ratios), max(ratios)], rel=0.01)
     assert len(numbers) == (3 if has_interval else 1)
-    if has_interval:  # the contact area per load is proportional to E*^(-2/3)
+    if has_interval:
         assert numbers[2] / numbers[1] == pytest.approx(2 ** (2 / 3), rel=0.05)
 
 

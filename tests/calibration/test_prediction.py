@@ -16,8 +16,8 @@ from support.rough_surfaces import rough_maps
 pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 BALL = Ball("5 mm", "80 GPa")
-MIN_HARDNESS, MAX_HARDNESS = 0.8, 1.25  # limits (GPa) of the 95 % interval of the hardness, which is log-normal
-MIN_EXPONENT, MAX_EXPONENT = 0.7, 1.6  # limits of the uniform distribution of the yield exponent
+MIN_HARDNESS, MAX_HARDNESS = 0.8, 1.25  # GPa, 95 % interval of the log-normal hardness
+MIN_EXPONENT, MAX_EXPONENT = 0.7, 1.6  # limits of a uniform distribution
 UNCERTAIN_INPUTS = {
     "hardness": f"{MIN_HARDNESS}..{MAX_HARDNESS} GPa",
     "yield_exponent": f"uniform {MIN_EXPONENT}..{MAX_EXPONENT}",
@@ -27,7 +27,7 @@ PAIR_OPTIONS = {
     "onset": 0,
 }  # fmt: skip
 MU0, TAU0, RELATIVE_ERROR = 0.15, 0.05, 0.02
-TESTED_RMS, PREDICTED_RMS = 0.05, 0.02  # rms roughness (µm) of the tested pair and of the pair to predict
+TESTED_RMS, PREDICTED_RMS = 0.05, 0.02  # µm
 BALL_LOADS = (5.0, 50.0, 500.0, 5000.0)
 NUM_DRAWS = 200_000
 
@@ -177,7 +177,7 @@ def compute_interval_by_brute_force(tests: list, *, with_ball: bool) -> np.ndarr
     scores, fraction = random.standard_normal(NUM_DRAWS), random.random(NUM_DRAWS)
     if with_ball:
         draws = [draw_strengths(tests, pair_area, random)]
-    else:  # the interval covers mu0 = 0 and tau0 = 0, which the tests allow
+    else:
         fractions = random.random(NUM_DRAWS), 0.0, 1.0
         draws = [draw_strengths_of_one_pair(tests, pair_area, each, random) for each in fractions]
     intervals = []
@@ -235,7 +235,7 @@ def test_prediction_from_tests_of_one_pair_contains_the_true_coefficient_if_mu0_
         assert strength.possible_zeros == ("mu0", "tau0")
         _, lower, upper = strength.predict(press_pair(PREDICTED_RMS), "20 MPa")
         num_covered += lower < truth < upper
-    assert num_covered >= 22  # with 95 % coverage, fewer have a probability of 3 %
+    assert num_covered >= 22
 
 
 def test_prediction_interval_does_not_widen_if_tests_of_the_same_pair_are_added() -> None:

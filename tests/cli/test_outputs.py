@@ -63,7 +63,7 @@ def test_command_does_not_overwrite_a_file_of_another_program(scans_directory, a
         path.symlink_to(target)
     completed = call_stiction(*arguments, cwd=scans_directory)
     assert_rejected(completed, f"{path.name}: already exists")
-    assert completed.stdout == ""  # The command checks the file first, so it computes and prints nothing.
+    assert completed.stdout == ""
     assert target.read_text() == "my own measurements" if kind != "dangling" else not target.exists()
 
 

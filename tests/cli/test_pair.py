@@ -466,7 +466,7 @@ def test_pair_command_interrupted_during_file_output_has_already_printed_the_res
 
     monkeypatch.setattr(f"stiction.{function}", interrupt)
     monkeypatch.setattr("stiction.cli.application.signal.signal", lambda *_: None)
-    monkeypatch.setattr("os._exit", sys.exit)  # replace os._exit, which would end the test run
+    monkeypatch.setattr("os._exit", sys.exit)
     arguments = ["pair", *MAP_ARGUMENTS, *MATERIAL_OPTIONS, "--load", "7 MPa", "--shifts", 2, "--onset", 0]
     arguments += ["-o", tmp_path / "out"]
     interrupted_command = call_stiction(*arguments, cwd=scans_directory, without_report=True)
@@ -832,7 +832,7 @@ def test_pair_command_reuses_stored_positions_if_only_the_assumption_of_the_lay_
     check_stiction(*commands[0], cwd=scans_directory)
     blocks = sorted((tmp_path / "pair/blocks").iterdir())
     contents = [block.read_bytes() for block in blocks]
-    blocks[-1].unlink()  # as if the first run had been interrupted
+    blocks[-1].unlink()
     assert "6 of 8 positions already existed" in check_stiction(*commands[1], cwd=scans_directory).stdout
     assert [block.read_bytes() for block in blocks[:-1]] == contents[:-1]
     assert open_result(tmp_path / "pair").study.surfaces.lay_assumed is (True if lays[1] is None else None)

@@ -80,7 +80,7 @@ def test_shear_command_prints_peak_and_table_and_writes_four_files(directory):
     report = (directory / "shear/report.html").read_text()
     assert "upper.npy on lower.npy" in report
     assert lines[0].removeprefix("peak: ") in report
-    assert report.count("<tr>") == 7  # one row of headings and six rows of displacements
+    assert report.count("<tr>") == 7
 
 
 def test_shear_command_prints_json_with_peak_and_curve(directory):

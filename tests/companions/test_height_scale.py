@@ -31,9 +31,9 @@ from support.rough_surfaces import rough_maps
 
 pytestmark = pytest.mark.usefixtures("no_companion_files")
 
-SCALING_TOLERANCE = 1e-9  # relative difference between two ways of scaling the same bodies
-SOLUTION_TOLERANCE = 1e-3  # relative difference between solutions of one problem in different units
-MAX_FRICTION_ERROR, MAX_AREA_ERROR = 0.005, 0.02  # relative errors of values at factors between solved factors
+SCALING_TOLERANCE = 1e-9
+SOLUTION_TOLERANCE = 1e-3  # for solutions of one problem in different units
+MAX_FRICTION_ERROR, MAX_AREA_ERROR = 0.005, 0.02
 PAIR_OPTIONS = {"load": "20 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "shifts": 3, "onset": 0}
 HARDNESS_OPTION = {"hardness": "2 GPa"}
 

@@ -192,7 +192,6 @@ def test_result_at_zero_load_states_whether_the_surfaces_adhere(adhesive_result)
     assert "with μ0 = 0.2." in " ".join(text_of_two_mu0.split())
     with pytest.raises(ValueError, match="load must be above 0, got 0"):
         run_pair(load=0)
-    # All results have the same pull-off force. A solution at a negligible load gives the area at zero load.
     for result, has_area in ((unloaded_result, True), (two_load_result, True), (adhesive_result, False)):
         table = at_load(result.source, [0.0]).isel(cut_off=0)
         assert np.isfinite(table["contact_area"].sel(statistic="mean")).all() == has_area

@@ -82,7 +82,7 @@ def test_friction_of_profiles_at_a_load_equals_the_mean_of_press_results_over_po
             np.testing.assert_allclose(
                 coefficients_at_load, intervals.average_correlated_values(coefficients), rtol=2e-3
             )
-        if load == "elastic":  # The contact area depends on the elastic load only.
+        if load == "elastic":
             area = np.array([curve.contact_area[0] for curve in curves])[order]
             np.testing.assert_allclose(table["contact_area"], intervals.average_correlated_values(area), rtol=1e-9)
 
@@ -199,7 +199,7 @@ def test_values_at_a_load_contain_every_ratio_of_quantities_that_applies_to_the_
         for variable in run_study_of_generated_maps(name).at().data_vars
     }
     shown_ratios = {name for name in RATIO_QUANTITIES if QUANTITIES[name].shown}
-    assert shown_ratios - measured_names == {"share_overlapping"}  # the half-space model has no overlapping asperities
+    assert shown_ratios - measured_names == {"share_overlapping"}
     assert shown_ratios - generated_names == QUANTITIES_PER_NOMINAL_AREA
 
 
@@ -457,8 +457,8 @@ def test_evaluation_at_a_load_rejects_invalid_input(areal_study_and_dataset):
 
 
 INTERPOLATED_QUANTITIES = ("contact_area", "contact_count", "stiffness_per_area", "closure", "mean_friction")
-MAX_INTERVAL_WIDTH_RATIO = 2.2  # maximum ratio of interval widths with and without the interpolation error
-MIN_COVERAGE = 0.93  # minimum fraction of solved values within the estimated interpolation error, a 95 % limit
+MAX_INTERVAL_WIDTH_RATIO = 2.2
+MIN_COVERAGE = 0.93
 
 
 def compute_interpolation_errors(seed, *, points, longest_wavelength, shifts, hardness):
@@ -564,7 +564,7 @@ def test_evaluation_at_a_load_computes_every_quantity_shown_in_outputs():
     maps = rough_maps(5, hurst_exponent=0.7, rms=0.01, points=32, spacing=0.1, shortest_wavelength=0.4)
     options = {"load": "20 MPa", "mu0": 0.2, "effective_modulus": "80 GPa", "shifts": 2, "cutoff": "none", "onset": 0}
     adhesion = {"work_of_adhesion": "50 mJ/m^2", "adhesion_range": "5 nm"}
-    evaluated_names = set(ONSET_QUANTITIES)  # quantities of results of generated surfaces
+    evaluated_names = set(ONSET_QUANTITIES)
     for added_options in ({"hardness": 1.0, "indent": "2 um"}, {"mechanics": "asperities"}, adhesion):
         evaluated_names |= set(pair(*maps, **options, **added_options, direction=[0.0, 180.0]).at().data_vars)
     assert set(select_quantity_names(lambda quantity: quantity.shown)) - evaluated_names == set()

@@ -28,14 +28,13 @@ pytestmark = pytest.mark.usefixtures("no_companion_files")
 SIDES = ("upper", "lower")
 # Largest error of an interval limit due to random samples, as a fraction of the interval width.
 MAX_SAMPLING_ERROR = 0.02
-# Largest relative errors of friction that is interpolated between solutions, for a narrow and a wide range of E*.
 MAX_INTERPOLATION_ERROR, MAX_INTERPOLATION_ERROR_OF_WIDE_INPUTS = 0.005, 0.008
 PAIR_OPTIONS = {"shifts": 4, "direction": [0.0, 180.0], "onset": 0}
 # Three positions suffice, because solutions are compared at equal positions.
 THREE_POSITION_OPTIONS = PAIR_OPTIONS | {"shifts": 3}
 
 
-LARGE_MAP_POINTS = 64  # points per side of the maps with which interpolation between solutions is tested
+LARGE_MAP_POINTS = 64
 
 
 def rough_surfaces(seed: int = 5, rms: float = 0.01, points: int = 48, refinement: int = 1) -> list[Surface]:
@@ -188,7 +187,7 @@ def test_percentiles_of_a_single_friction_test_agree_with_percentiles_of_random_
     assert lower < expected[0] < expected[2] < upper
 
 
-@pytest.mark.parametrize("rms", [0.03, 0.003])  # rms heights of a plastic and of an elastic-plastic contact
+@pytest.mark.parametrize("rms", [0.03, 0.003])
 def test_friction_after_a_dwell_equals_friction_at_reduced_hardness(rms) -> None:
     kwargs = dict(load="20 MPa", mu0=0.2, tau0="50 MPa", junction_growth=0, effective_modulus="80 GPa", **PAIR_OPTIONS)
     aged_point = (
@@ -328,7 +327,7 @@ def test_stored_study_preserves_uncertain_inputs() -> None:
 
 
 SURFACE_PAIR_COUNT_CASES = [pytest.param(2, id="some"), pytest.param(300, marks=pytest.mark.soak, id="all")]
-MIN_COVERAGE = 0.92  # minimum fraction of 300 true values that 95 % intervals contain
+MIN_COVERAGE = 0.92
 
 
 @pytest.mark.parametrize("num_surface_pairs", SURFACE_PAIR_COUNT_CASES)
@@ -337,7 +336,6 @@ def test_combined_interval_contains_the_true_friction_for_random_inputs(num_surf
     num_covered = num_covered_tests = 0
     rng = np.random.default_rng(2016)
     for seed in range(num_surface_pairs):
-        # Factors by which the true surfaces have finer grids and shorter wavelengths than the scans.
         refinement = int(rng.choice([1, 2, 4]))
         true_surfaces = rough_surfaces(
             seed, rms=float(rng.choice([0.003, 0.01, 0.03])), points=48, refinement=refinement

@@ -211,7 +211,6 @@ def test_mean_at_a_load_has_no_interval_if_only_one_repetition_carries_load():
 
 
 def test_interval_of_a_mean_of_zero_is_zero_if_the_loads_differ_only_by_round_off():
-    # The values are zero up to the load, and increase only at higher loads.
     round_off = np.array([-1.0, 0.0, 1.0]) * np.finfo(float).eps
     normal = np.geomspace(0.01, 0.3, 5)[np.newaxis, :, np.newaxis] * (1 + round_off)
     values = np.where(normal > 0.05, normal, 0.0)

@@ -27,7 +27,7 @@ pytestmark = pytest.mark.usefixtures("no_companion_files")
 LOADS = [0.003, 0.03]
 INTERFACE_OPTIONS = {"mu0": 0.3, "tau0": 0.1}
 ROOT_TOLERANCE = 1e-9  # relative error of values at a load, whose approach is found to 1e-12
-INTERPOLATION_TOLERANCE = 2e-3  # relative error of values that are interpolated between two solved loads
+INTERPOLATION_TOLERANCE = 2e-3
 
 
 def rough_profile(side="lower", *, points=3000, repetition=0, spacing=0.01):
@@ -420,7 +420,7 @@ def test_load_fraction_of_opposing_contacts_equals_a_sum_over_the_listed_contact
 
 # ---- Half-planes -----------------------------------------------------------------------------------------------------
 
-SUMMATION_TOLERANCE = 1e-12  # relative difference between sums of the same numbers in another order
+SUMMATION_TOLERANCE = 1e-12
 
 
 @pytest.fixture(scope="module")

@@ -82,13 +82,7 @@ def test_friction_map_has_a_status_instead_of_extrapolated_values_outside_its_lo
     ("normal", "tangential", "load", "value", "width"),
     [
         ([[2.0]], [[1.0]], 2.0, 0.5, np.nan),
-        (
-            [[0.0, 0.0]] * 4 + [[1.0, 2.0]],
-            [[0.0, 0.0]] * 4 + [[0.5, 1.0]],
-            0.3,
-            0.5,
-            np.nan,
-        ),  # only one of five repetitions carries a load
+        ([[0.0, 0.0]] * 4 + [[1.0, 2.0]], [[0.0, 0.0]] * 4 + [[0.5, 1.0]], 0.3, 0.5, np.nan),
         ([[1.0, 2.0]] * 5, [[0.5, 1.0]] * 5, 1.5, 0.5, 0.0),
         ([[1.0, 2.0], [1.1, 2.5]], [[0.0, 0.0]] * 2, 1.5, 0.0, 0.0),
     ],

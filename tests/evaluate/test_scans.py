@@ -18,8 +18,8 @@ from stiction.views.sentence import result_point_note
 pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 PAIR_OPTIONS = {"load": "2 MPa", "mu0": 0.2, "tau0": "50 MPa", "effective_modulus": "80 GPa", "direction": [0.0, 180.0]}
-SCAN_COUNTS = [(3, 3), (3, 6), (4, 5), (6, 6)]  # numbers of scans of the upper and of the lower part
-MIN_COVERAGE, MAX_COVERAGE = 0.92, 0.98  # limits of the coverage of 95 % intervals for 200 simulated parts
+SCAN_COUNTS = [(3, 3), (3, 6), (4, 5), (6, 6)]
+MIN_COVERAGE, MAX_COVERAGE = 0.92, 0.98
 ROUND_OFF = 1e-12
 
 

@@ -35,7 +35,7 @@ POINT_FRACTION_TOLERANCE = 1e-3
 """Maximum fraction of the grid points at which two solvers disagree about contact; their pressure is almost zero."""
 
 ROUND_OFF = 1e-12
-MAX_LOWER_BOUND_FORCES = 2  # maximum number of 200 random pairs whose pull-off force is only known to exceed a bound
+MAX_LOWER_BOUND_FORCES = 2  # of 200 random pairs
 
 PERIODICITY_TOLERANCE = 0.02
 """Relative difference between the pull-off forces of a ball with a period of 20 contact radii and of an isolated
@@ -179,7 +179,7 @@ def test_dugdale_contact_of_a_sphere_agrees_with_maugis_solution_on_any_grid(tab
 def test_contact_of_an_adhesive_cylinder_equals_barquins_solution():
     """Check F = π E* a²/(4R) - (2π E* w a)^(1/2) per µm of length (Barquins, The Journal of Adhesion 26 (1988) 1)."""
     work, length = 1e-6, 1024
-    radius = (2 * work / np.pi) ** (1 / 3)  # contact radius (µm) at pull-off
+    radius = (2 * work / np.pi) ** (1 / 3)  # µm, at pull-off
     spacing = 12 * radius / length
     x = (np.arange(length) - length // 2) * spacing
     bodies = Profile(np.zeros(length), spacing=spacing), Profile(-(x**2) / 2, spacing=spacing)

@@ -159,7 +159,6 @@ class TestArealContactAgainstExactSolutions:
         modulus, overlap = 7.0, 1e-5
         force, area, axes, shorter_radius = hertz_ellipse_by_axis_ratio(k, 2.0, overlap, modulus)
         c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
-        # The grid resolves the shorter radius, and contains the longer axis of the ellipse.
         half_width = 1.5 * axes[0]
         spacing = min(2 * half_width / 80, 0.02 * shorter_radius)
         size = 2 * round(half_width / spacing)
@@ -202,7 +201,6 @@ class TestArealContactAgainstExactSolutions:
         )
         assert_close(curve_of_both_directions.friction_coefficient(mu0=mu0)[1], math.tan(math.atan(mu0) - theta), 1e-11)
         assert abs(curve.lateral_load(mu0=mu0)).max() < ROUND_OFF * curve.normal_elastic[0]
-        # With tau0 > 0, the friction angle is atan(mu0 + tau0 A/F).
         m = mu0 + 0.05 * curve.contact_area / curve.normal_elastic * math.cos(theta)
         coefficient = curve.friction_coefficient(mu0=mu0, tau0=0.05)[0]
         assert_close(coefficient, np.tan(theta + np.arctan(m)), ROUND_OFF)
@@ -574,7 +572,6 @@ class TestGridRefinement:
             upper, lower = rough_maps(
                 5, rms=0.05, points=points, spacing=spacing, shortest_wavelength=1.0, longest_wavelength=4.0
             )
-            # A bowl shape keeps contacts away from the edges, where the splines of two grids differ.
             x = np.arange(points) * spacing - 8
             upper = Surface(upper.heights + 0.5 * ((x[:, None] ** 2 + x**2) / 49) ** 4, spacing=spacing)
             first_contact = (upper.heights - lower.heights).min()

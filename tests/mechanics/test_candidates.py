@@ -27,7 +27,7 @@ from stiction.mechanics.quantities import QUANTITIES, SUM_QUANTITIES
 
 # Relative difference between results that use different spline solvers for the same heights.
 SPLINE_TOLERANCE = 1e-9
-# Delay of the interrupt (s) in processor time, on which other processes have no effect.
+# Processor time (s), on which other processes have no effect.
 SIGNAL_DELAY = 0.2
 MAX_DELAY_AFTER_SIGNAL = 1.0
 

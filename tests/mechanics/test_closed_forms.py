@@ -27,7 +27,6 @@ from stiction import (
     westergaard_contact_fraction,
 )
 
-# Tolerance between two evaluations of one formula with different orders of operations.
 REORDERING_TOLERANCE = 1e-13
 length_strategy = st.floats(1e-4, 1e3)
 modulus_strategy = st.floats(1e-2, 1e3)

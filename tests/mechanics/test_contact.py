@@ -30,7 +30,6 @@ REFERENCE_TOLERANCES = {"cell": 1e-9, "gap-minimum": 1e-7}
 REFERENCE_FUNCTIONS = {"cell": pressing.find_contacts, "gap-minimum": pressing.find_contacts_at_minima}
 # The curvature of a spline on a circle has an error of second order in spacing / radius, which is 1e-3 here.
 CIRCLE_TOLERANCE = 1e-6
-# Tolerances of identities that only change the order of operations.
 MIRROR_TOLERANCE = 1e-9
 EXCHANGE_TOLERANCE = 1e-8
 SCALING_TOLERANCE = 1e-8
@@ -103,7 +102,6 @@ class TestProfilesAgainstExactSolutions:
             lower = create_circular_arc(apexes[1], radii[1], spacing, points, "lower")
             contact_gap = (upper.heights - lower.heights).min()
             for approach in (1e-4, 1e-3, 1e-2):
-                # The lower apex is at height 0, and the upper apex is lowered beyond first contact.
                 centre_distance = np.array([apexes[0] - apexes[1], radii[0] + radii[1] - contact_gap - approach])
                 overlap = sum(radii) - np.hypot(*centre_distance)
                 radius = radii[0] * radii[1] / sum(radii)
@@ -217,7 +215,6 @@ class TestProfilesAgainstExactSolutions:
                 assert_close(curve.tangential_load(mu0=mu0, tau0=tau0), tangential, REFERENCE_TOLERANCES["cell"])
 
     def test_contact_on_a_steep_flank_is_self_locked(self):
-        # The profiles have two triangular teeth, rounded by the spline, with flanks of 60 degrees.
         x = np.arange(400) * 0.01
         lower = Profile(-np.sqrt(3) * np.sqrt((x - 2.0013) ** 2 + 0.01), spacing=0.01)
         upper = Profile(np.sqrt(3) * np.sqrt((x - 1.6) ** 2 + 0.01), spacing=0.01)

@@ -42,13 +42,13 @@ ROUND_OFF = 1e-12
 PLASTIC_EDGE_TOLERANCE = 0.05
 QUADRATURE_TOLERANCE = 1e-9  # relative difference from a numerical integral of smooth functions on 60 by 200 points
 FRICTION_SCATTER_TOLERANCE = 0.015  # relative scatter over twelve directions of two pairs with some tens of contacts
-TIGHT_TOLERANCE = 1e-10  # solver tolerance for comparisons of two solutions
+TIGHT_TOLERANCE = 1e-10
 
 
 # Error relative to the largest displacement. It is larger than round-off because logarithms of distant cells cancel.
 LARGE_GRID_TOLERANCE = 1e-11
 MAX_SECONDS_AFTER_INTERRUPT = 2.0  # limit of processor time (s); a complete solution takes ten times as long
-SOLUTION_TOLERANCE = 1e-5  # relative difference between two solutions whose solver tolerance is 1e-6
+SOLUTION_TOLERANCE = 1e-5
 
 
 STIFFNESS_TOLERANCE = 1e-6  # relative error of a stiffness whose compliance has an error of 1e-7
@@ -179,7 +179,6 @@ def test_tangential_traction_under_a_sphere_equals_mindlin_solution(ratio):
     result = solver.at(ratio * bound.mean())
     is_sticking = (bound > 0) & (result.pressure.reshape(n, n) < bound)
     assert np.sqrt(is_sticking.sum() * spacing**2 / np.pi) == pytest.approx((1 - ratio) ** (1 / 3), abs=spacing)
-    # displacement in the middle of a Hertzian pressure distribution with the given maximum
     displacement_at_sliding = np.pi * mu0 / 2 / EFFECTIVE_MODULUS * radius
     assert result.approach == pytest.approx(
         displacement_at_sliding * (1 - (1 - ratio) ** (2 / 3)), rel=MINDLIN_TOLERANCE
@@ -322,7 +321,7 @@ def test_half_space_results_scale_with_the_modulus_and_ignore_height_offsets():
 
 def test_free_and_periodic_boundaries_give_equal_results_for_small_contact_patches():
     differences = []
-    force = float(hertz_sphere(0.01, 4.0, EFFECTIVE_MODULUS)[0])  # force (mN) at which the contact radius is 0.2 µm
+    force = float(hertz_sphere(0.01, 4.0, EFFECTIVE_MODULUS)[0])  # mN; the contact radius is 0.2 µm
     for extent in (0.5, 1.0, 2.0):
         gap = create_paraboloid(int(64 * extent), extent, (4.0, 4.0))
         free_pressure, periodic_pressure = (
@@ -642,7 +641,6 @@ def test_half_space_solution_of_a_map_of_equal_rows_equals_the_solution_of_the_p
     np.testing.assert_array_equal(surface_curve.contact_count, line_curve.contact_count)
     assert surface_curve.friction_coefficient(mu0=0.4).shape == (2, 1)
     assert (surface_curve.status(mu0=0.4) == "ok").all()
-    # Along the grooves, all slopes are zero, so no contact opposes the motion.
     np.testing.assert_allclose(surface_curve.tangential_load(mu0=0.4)[1], 0.0, atol=1e-9)
 
 

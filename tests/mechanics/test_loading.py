@@ -4,7 +4,7 @@ from stiction import Profile, approach_at_load, press
 
 # Relative error of the load at an approach whose relative error is 1e-12, if the load is a low power of the approach.
 LOAD_TOLERANCE = 1e-11
-ARC_TOLERANCE = 1e-6  # relative error of the Hertzian force of two arcs, as in the contact tests
+ARC_TOLERANCE = 1e-6
 
 
 @pytest.mark.parametrize("detection", ["cell", "gap-minimum"])

@@ -28,7 +28,7 @@ ROUND_OFF = 1e-12
 # Error relative to the largest value of a solution by dense matrices, at a solver tolerance of 1e-6.
 DENSE_SOLUTION_TOLERANCE = 1e-6
 MINDLIN_TOLERANCE = 1e-3  # displacement error, relative to that of a ball whose contact radius is 24 points
-TRACTION_TOLERANCE = 0.01  # relative difference of tractions from the Ciavarella-Jäger principle, for rough bodies
+TRACTION_TOLERANCE = 0.01
 LOAD_FRACTIONS = [0.05, 0.1, 0.3, 0.6, 0.9, 0.99]
 
 
@@ -227,7 +227,6 @@ def test_energy_loss_from_masing_rule_equals_loss_in_a_simulated_cycle():
     for load_fraction in (0.5, 0.9):
         onset = curve.onset(0, mu0=0.3, poisson=0.0, steps=[load_fraction])
         max_displacement = onset.displacement[0]
-        # The path is loading, unloading and reloading. Its last two parts form a cycle.
         displacements = max_displacement * np.concatenate(
             [np.linspace(0, 1, 6)[1:], np.linspace(1, -1, 11)[1:], np.linspace(-1, 1, 11)[1:]]
         )

@@ -23,7 +23,7 @@ from stiction.views.shear import headline_estimates, list_caveats
 
 TOOTH_ANGLE = math.radians(10)
 ROUND_OFF = 1e-12  # µm
-STRESS_STEP = 1e-3  # relative step of the stress for the difference quotient of a stiffness
+STRESS_STEP = 1e-3
 # Closures have a relative tolerance of about 1e-6 over a step of 2e-3; few contacts appear within the step.
 DERIVATIVE_TOLERANCE = 0.02
 LOAD_AND_MODULUS = {"load": "1 MPa", "effective_modulus": "30 GPa"}
@@ -129,7 +129,7 @@ def test_work_to_shear_maps_without_friction_is_dilation_work_plus_elastic_energ
 
 def test_work_of_shear_without_friction_is_dilation_work_plus_elastic_energy_if_an_edge_climbs():
     x = np.linspace(-1, 1, 401)
-    bowl = Profile(4 * x**2, spacing=0.25)  # here the ends of the upper face touch first
+    bowl = Profile(4 * x**2, spacing=0.25)
     result = run_shear_test(bowl, path="30 um", steps=60, mu0=0)
     assert result.load_fraction_at_edges[-1] > 0.3
     work, dilation_work, energy = integrate_work(result)

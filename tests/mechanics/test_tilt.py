@@ -7,8 +7,8 @@ from support.rough_surfaces import rough_maps
 MAX_FORCE_OFFSET = 1e-4  # largest distance of the resultant force from the centre, relative to the side length
 # Relative error of a stiffness from two loads that differ by ±2 %. Some points come into contact between these loads.
 STIFFNESS_TOLERANCE = 0.03
-DENSE_SOLUTION_TOLERANCE = 1e-5  # relative difference from a reference solution by dense matrices
-BALL_TOLERANCE = 1e-3  # relative error of the tilt of a ball whose summit moves to the middle
+DENSE_SOLUTION_TOLERANCE = 1e-5
+BALL_TOLERANCE = 1e-3
 
 
 def create_rough_surfaces(seed, shape=(48, 64)):

@@ -9,9 +9,9 @@ from stiction import HertzCylinder, Profile, contacts
 
 EFFECTIVE_MODULUS = 10.0  # GPa
 MIN_WAVES_PER_PERIOD = 4
-PERIOD = 4.0  # period (µm); the longest wavelength is a quarter of it
+PERIOD = 4.0  # µm; the longest wavelength is a quarter of the period
 RMS_SLOPE = 0.1
-SOLVER_TOLERANCE = 1e-10  # largest complementarity error of the solver
+SOLVER_TOLERANCE = 1e-10
 
 EXCESS_POINTS_PER_CONTACT = 0.38
 """Mean number of grid points by which a contact on a grid exceeds the length of the exact contact.
@@ -19,7 +19,7 @@ EXCESS_POINTS_PER_CONTACT = 0.38
 Measured on Westergaard's sinusoid: 0.38 +- 0.03 for contacts of 5 to 60 points at any load up to half contact.
 """
 
-RELATIVE_LOAD_STEP = 0.02  # half width of the central difference that gives the stiffness, as a fraction of the load
+RELATIVE_LOAD_STEP = 0.02  # as a fraction of the load
 NUM_WRAPPED_POINTS = 48  # number of points that are added on each side, so that the ends of the spline have no effect
 
 

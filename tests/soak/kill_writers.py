@@ -27,8 +27,8 @@ from stiction.solve import member_solution, store
 from stiction.solve.store import decode_members
 
 DEFAULT_NUM_KILLS = 200
-KILLS_PER_DIRECTORY = 20  # number of kills per directory; small, so that many kills happen while a directory is new
-MAX_CHECKED_REPETITIONS = 300  # maximum number of repetitions per directory that are computed again for comparison
+KILLS_PER_DIRECTORY = 20  # small, so that many kills happen while a directory is new
+MAX_CHECKED_REPETITIONS = 300
 EXECUTORS_BY_KIND = {"writers": ("threads", "scheduler"), "parts": ("parts",)}
 MAX_WAITING_SECONDS = 600.0
 
@@ -77,7 +77,7 @@ class WriterKillTest:
     def __init__(self, directory: Path, random_generator: random.Random, executors: tuple[str, ...]) -> None:
         self.directory, self.random, self.executors = directory, random_generator, executors
         self.num_repetitions = STUDY.ensemble.repetitions
-        self.time_to_first_write = 1.0  # latest measured time (s) from the start of a command to its first block
+        self.time_to_first_write = 1.0  # s, latest measured value
         self.result_directory = directory / "out"
         self.log_file = directory / "computed"
         (directory / "site").mkdir()

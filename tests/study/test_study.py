@@ -381,7 +381,7 @@ def test_checksum_of_a_body_in_memory_depends_on_its_numbers_but_not_on_its_hist
         for step in ("turned over", "flipped")
     ]
     assert entries[0].sha256 == entries[1].sha256
-    assert entries[0] != entries[1]  # differ in the history, which results print
+    assert entries[0] != entries[1]
     saved_entries = [entry.with_saved_bodies(tmp_path, "upper") for entry in entries]
     assert saved_entries[0] == saved_entries[1]
     assert saved_entries[1].read().history == ("read from upper.npy", "turned over")

@@ -101,7 +101,6 @@ def test_fitted_laws_of_a_friction_table_recover_exact_power_laws(dataset):
     exact_dataset = dataset.copy(deep=True)
     pressure = exact_dataset["load"].values / 100
     exact_dataset["contact_area"].values[...] = 100 * 1.5 * pressure
-    # The approach follows the stiffness law k = p / (0.02 µm).
     exact_dataset["approach"].values[...] = 0.02 * np.log(pressure) + 1
     result = friction_table(exact_dataset)
     assert result["area_factor"].values == pytest.approx(1.5)
@@ -109,7 +108,7 @@ def test_fitted_laws_of_a_friction_table_recover_exact_power_laws(dataset):
     assert result["stiffness_factor"].values == pytest.approx(50e6)  # 50 GPa/µm at a pressure of 1 GPa, in MPa/mm
     assert result["normal_stiffness"].attrs["units"] == "MPa/mm"
     assert "stiffness over area (MPa/mm)" in friction_table_csv(result)
-    assert re.search(r"\b50\b", friction_table_text(result))  # factor b of the stiffness law (GPa/µm)
+    assert re.search(r"\b50\b", friction_table_text(result))
     assert result["stiffness_exponent"].values == pytest.approx(1)
 
 
@@ -183,7 +182,6 @@ def test_table_command_writes_the_same_table_as_the_library(tmp_path):
     assert (len(frame), frame["mu0"].unique().tolist()) == (2 * 3, [0.1])
     for text, count in frame["assessment"].value_counts().items():
         assert f"{text} ({count})" in " ".join(completed.stdout.split())
-    # The stored study has mu0 = 0.1 too, so that other commands print values at 0.1.
     assert open_result(tmp_path / "table").study.friction.mu0 == (0.1,)
     assert "μ0 = 0.1," in check_stiction("info", "table", cwd=tmp_path).stdout
 

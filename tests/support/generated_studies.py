@@ -8,7 +8,6 @@ from stiction import Study
 from stiction.solve.layout import MEMBER_COORDINATE_TYPES, build_dataset, variable_specs
 from stiction.study.member_sources import BodyAttributes
 
-# Study with several fractal dimensions, amplitudes, repetitions and approaches; it runs in about a second.
 SMALL_STUDY = Study.named("quick").with_changes(
     {
         "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.6, "count": 4},
@@ -20,7 +19,6 @@ SMALL_STUDY = Study.named("quick").with_changes(
     }
 )
 
-# Study that runs in a few milliseconds.
 TINY_STUDY = Study().with_changes(
     {
         "surfaces.fractal_dimension": {"start": 1.0, "stop": 1.7, "count": 3},

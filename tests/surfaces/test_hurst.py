@@ -99,7 +99,6 @@ class TestProfileHurstExponent:
             assert changed_estimate.longest_wavelength / spacing == pytest.approx(
                 original_estimate.longest_wavelength / 0.01
             )
-        # Reversing the profile moves the window by one point.
         reversed_estimate = estimate_hurst_exponent(Profile(profile.heights[::-1], spacing=0.01))
         assert reversed_estimate.value == pytest.approx(
             original_estimate.value, abs=0.2 * (original_estimate.upper - original_estimate.lower)
@@ -180,7 +179,6 @@ def test_hurst_exponent_outside_0_to_1_or_with_a_wide_interval_has_a_caution():
 
 
 class TestSurfaceHurstExponent:
-    # A 95 % interval misses 3 of 60 cases on average. The probability of more than 8 misses is 1 in 500.
     NUM_CASES, MAX_MISSED_INTERVALS = 60, 8
 
     @pytest.mark.parametrize(

@@ -891,7 +891,7 @@ def test_integers_in_an_x3p_file_are_multiplied_by_their_increment(write_file):
         write_file(integers_without_increment, "a.x3p"), read_surface
     )
     default_namespace = [("<p:ISO5436_2 xmlns:p=", "<ISO5436_2 xmlns="), ("</p:ISO", "</ISO")]
-    for increment in ("", "<Increment>0.0</Increment>"):  # Numbers with decimals need no increment.
+    for increment in ("", "<Increment>0.0</Increment>"):
         path = write_file(
             create_x3p_bytes(
                 HEIGHTS_IN_METRES, replacements=[("<Increment>1.0</Increment>", increment), *default_namespace]

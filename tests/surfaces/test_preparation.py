@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from stiction import Profile, Surface, contacts, cropped, flipped, levelled, on_common_grid
 
-ROUND_OFF = 1e-13  # relative round-off of sums of a hundred numbers of order one
+ROUND_OFF = 1e-13
 # Minimum order of convergence: four, which holds away from the ends, minus a margin.
 # Natural end conditions reduce the order only near the ends.
 MIN_SPLINE_CONVERGENCE_ORDER = 3.7

@@ -5,7 +5,7 @@ import pytest
 from stiction import Profile, Surface
 
 HEIGHTS = np.array([0.0, 2.0, 1.0, -3.0, 0.5])
-ROUND_OFF = 1e-14  # round-off of a few operations on numbers of order one
+ROUND_OFF = 1e-14
 
 
 def test_grid_of_a_profile_starts_at_zero_and_extends_over_all_points():

@@ -17,7 +17,6 @@ from stiction import (
 from stiction.surfaces.roughness import autocorrelation
 from support.rough_surfaces import AMPLITUDE, WAVELENGTH, rough_profile, sinusoid
 
-# Relative round-off of sums over some thousand points and of transforms.
 ROUND_OFF = 1e-12
 
 
@@ -84,7 +83,7 @@ class TestRoughnessParameters:
 # Ignore warnings of SurfaceTopography about its own names and imports.
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
 class TestAgainstSurfaceTopographyPackage:
-    TRANSFORM_TOLERANCE = 1e-9  # relative round-off of two successive Fourier transforms
+    TRANSFORM_TOLERANCE = 1e-9
 
     @pytest.fixture
     def line_scan_class(self):
@@ -252,7 +251,7 @@ def test_reduced_peak_height_is_the_height_of_a_triangle_of_equal_area():
     surface = gaussian_surface(seed=5)
     result = surface_parameters(surface)
     z = np.sort(surface.heights.ravel() - surface.heights.mean())[::-1]
-    upper = z[round(result.Smr1 * z.size) - 1]  # lower limit of the heights of peaks
+    upper = z[round(result.Smr1 * z.size) - 1]
     peaks = z[: round(result.Smr1 * z.size)]
     assert peaks.min() >= upper
     area = result.Spk * result.Smr1 / 2

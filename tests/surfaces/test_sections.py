@@ -10,7 +10,7 @@ from stiction import Profile, levelled, section_parameters, self_affine
 from stiction.surfaces.parameters import PROFILE_PARAMETERS
 from stiction.surfaces.profile_elements import mean_profile_element
 
-ROUND_OFF = 1e-10  # relative error of the parameters of a profile
+ROUND_OFF = 1e-10
 
 
 def sinusoid(wavelength, amplitude=1.0, *, waves=40, points=100, phase=0.3):

@@ -5,7 +5,7 @@ import pytest
 from stiction import Surface, power_spectrum, roughness_parameters, self_affine_surface
 from support.rough_surfaces import rough_profile
 
-ROUND_OFF = 1e-12  # relative round-off of sums and transforms of ten thousand numbers
+ROUND_OFF = 1e-12
 SURFACE_OPTIONS = {"hurst_exponent": 0.8, "rms": 0.1, "shape": (96, 128), "spacing": (0.02, 0.01)}
 
 

@@ -20,7 +20,6 @@ from stiction import (
 )
 from support.rough_surfaces import AMPLITUDE, WAVELENGTH, rough_profile, self_affine_map, sinusoid
 
-# Relative round-off of sums over some thousand points and of transforms.
 ROUND_OFF = 1e-12
 AREAL_ROUND_OFF = 1e-11
 # Error of the direction in degrees, for maps about ten wavelengths long and stretched by two.

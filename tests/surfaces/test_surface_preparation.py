@@ -19,7 +19,6 @@ from stiction import (
 )
 from stiction.surfaces.preparation import count_flips, list_history_without_flips
 
-# Relative round-off of sums over some hundred points.
 ROUND_OFF = 1e-12
 
 
@@ -118,7 +117,7 @@ def test_maps_aligned_at_the_middle_have_equal_heights_on_their_common_grid():
             first_map, second_map = on_common_grid(*pair, align="middle")
             assert first_map.spacing == second_map.spacing == (0.1, 0.1)
             assert first_map.heights.shape == second_map.heights.shape == (41, 61)
-            assert np.abs(first_map.heights - second_map.heights).max() < 3e-4  # tolerance for the error of the splines
+            assert np.abs(first_map.heights - second_map.heights).max() < 3e-4
     assert second_map.history == () or "about its middle" in "".join((*first_map.history, *second_map.history))
     lines = on_common_grid(Profile(np.arange(9.0), spacing=1.0), Profile(np.arange(5.0), spacing=1.0), align="middle")
     assert lines[0].heights.tolist() == [2, 3, 4, 5, 6]
@@ -163,8 +162,8 @@ def test_rotated_surface_equals_its_height_function_at_rotated_points(angle, sha
         assert original_positions.max() < (length - 1) * 0.1 + 1e-9
     expected = height(original_y, original_x)
     errors = np.abs(rotated_surface.heights - expected)
-    assert np.median(errors) < 1e-6  # away from the sides, the error is of fourth order
-    assert errors.max() < 1e-4  # at the sides, the error of the spline is larger
+    assert np.median(errors) < 1e-6
+    assert errors.max() < 1e-4
     if angle != 90:
         assert "% cut off" in rotated_surface.history[-1]
 

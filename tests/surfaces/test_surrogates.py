@@ -19,7 +19,6 @@ from stiction import (
 )
 from support.rough_surfaces import rough_profile
 
-# Relative round-off of sums over some thousand points and of transforms.
 ROUND_OFF = 1e-12
 FIT_ROUND_OFF = 1e-9
 

@@ -373,7 +373,7 @@ def test_positions_figure_sorts_pairs_of_maps_by_value_and_pairs_of_profiles_by_
     maps_at_two_cutoffs, profiles_dataset
 ):
     line_of_maps = draw_figure(maps_at_two_cutoffs, "positions").axes[0].lines[0]
-    assert np.array_equal(line_of_maps.get_xdata(), np.arange(1, 17))  # 16 points: 4 members in 4 directions
+    assert np.array_equal(line_of_maps.get_xdata(), np.arange(1, 17))
     assert (np.diff(line_of_maps.get_ydata()) >= 0).all()
     line_of_profiles = draw_figure(profiles_dataset, "positions").axes[0].lines[0]
     assert set(line_of_profiles.get_xdata()) == set(profiles_dataset["x"].values)

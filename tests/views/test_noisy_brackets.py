@@ -15,7 +15,7 @@ PAIR_OPTIONS = {
     "load": "20 MPa", "mu0": 0.2, "tau0": "100 MPa", "effective_modulus": "80 GPa", "hardness": "8 GPa", "shifts": 4,
     "onset": 0, "direction": [0, 90, 180, 270],
 }  # fmt: skip
-MIN_COVERED_FRACTION = 0.95  # minimum fraction of brackets that contain the true value
+MIN_COVERED_FRACTION = 0.95
 NUM_PAIRS = 75
 
 

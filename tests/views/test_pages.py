@@ -22,7 +22,7 @@ from support.generated_studies import SMALL_STUDY, empty_dataset
 pytest.importorskip("selenium", reason="selenium is not installed")
 pytestmark = browser.BROWSER_MARKS
 
-MAX_PACKING_ERROR = 1e-6  # largest relative error of a number in a report
+MAX_PACKING_ERROR = 1e-6
 CONTROL_KEY_BIT, SHIFT_KEY_BIT = 2, 8  # bits of modifier keys in the browser's debugging protocol
 SCAN_OPTIONS = {"name": "scan.csv", "command": "stiction characterise scan.csv"}
 FILE_READING_TABLE = '<table class="texts"><caption>How scan.csv was read</caption><tr><td>64 points</td></tr></table>'
@@ -210,7 +210,6 @@ def test_plot_can_be_zoomed_and_panned_by_mouse_keyboard_and_touch(driver, pages
     assert np.diff(compute_scaled_axis_limits(driver, plot)).ravel() == pytest.approx(span / 1.5)
     browser.press_keys(driver, plot, "-")
     assert compute_scaled_axis_limits(driver, plot) == pytest.approx(initial_limits)
-    # Move two fingers apart on a touch screen.
     driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True, "maxTouchPoints": 2})
     left, top, width, height = browser.find_axes_frame(driver, plot)
     for event_type, distance_factor in (("touchStart", 1), ("touchMove", 1.5), ("touchMove", 2)):
@@ -409,7 +408,7 @@ def test_report_map_shows_the_selected_quantity_and_amplitude(generated_report):
     for quantity in ("width", "area", "stiffness", "friction"):
         Select(find_element(generated_report, "quantity")).select_by_value(quantity)
         maps.append(read_map())
-    assert len(set(maps)) == 4  # five maps, of which the first and the last show friction
+    assert len(set(maps)) == 4
     Select(find_element(generated_report, "amplitude")).select_by_visible_text("100 nm")
     assert read_map() not in maps
 
