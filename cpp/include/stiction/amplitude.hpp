@@ -16,7 +16,6 @@ enum class AmplitudeMeasure { height, ra, rq };
 /// Return the amplitude measure named "height", "Ra" or "Rq". Throws std::invalid_argument for any other name.
 AmplitudeMeasure amplitude_measure(std::string_view name);
 
-/// Mean, smallest and largest height of a profile [µm].
 struct HeightStatistics {
   double mean;
   double min;

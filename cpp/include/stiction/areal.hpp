@@ -2,11 +2,9 @@
 //
 // The x axis points along a row of a map and the y axis along a column. Both maps have the same grid.
 // The approach [µm] is the displacement of the upper surface towards the lower surface since first grid contact.
-// At a minimum of the gap, the tangent planes of both surfaces are parallel, so they share a contact normal.
 // The contact normal is kept constant as the overlap grows: its rotation is of second order in overlap/radius.
 //
 // If the edge of the map cuts a contact ellipse, the Hertzian pressure is integrated over the part inside the map.
-// As the approach grows, the force and the area of a contact at the edge of the map never decrease.
 //
 // Round-off must not decide whether a nearly level minimum of the gap is a contact.
 // The following rules make the result independent of rotating, mirroring, swapping or shifting the pair of maps:
@@ -31,7 +29,6 @@
 
 namespace stiction {
 
-/// Two height maps [µm] (rows, columns) on the same grid.
 struct SurfacePair {
   MatrixView upper;
   MatrixView lower;
@@ -65,7 +62,6 @@ struct ArealCandidate {
   double overlap(double approach) const { return (approach - gap) * normal.z(); }
 };
 
-/// Contact candidates of two maps, valid for all approaches up to `deepest`.
 struct ArealCandidates {
   std::vector<ArealCandidate> all;  ///< candidates in the order of their cells, row by row
   /// Gaps [µm] at grid points where no neighbouring grid point has a smaller gap, in ascending order.
@@ -82,7 +78,6 @@ struct ArealCandidates {
 inline constexpr double round_off_fraction = 0x1p-46;
 
 /// A slope or curvature with respect to the grid index [µm] counts as zero up to this fraction of the range of the gap.
-/// This fraction locates a minimum to about 1e-8 of a grid spacing.
 inline constexpr double level_fraction = 0x1p-26;
 
 /// Find all contact candidates whose gap is at most `deepest` [µm] >= 0.
@@ -104,7 +99,6 @@ struct ArealSums : Sums {
   Index unanswered_count = 0;
 };
 
-/// Name, unit and description of a sum that is a member of `ArealSums` but not of `Sums`.
 struct ArealQuantity {
   std::string_view name;
   std::string_view unit;

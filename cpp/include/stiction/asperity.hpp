@@ -15,7 +15,6 @@ enum class Side { lower, upper };
 /// Return the Side that is named "lower" or "upper". Throws std::invalid_argument for any other name.
 Side side(std::string_view name);
 
-/// Osculating sphere of a profile at one point.
 struct Asperity {
   Vector3 normal;  ///< unit normal that points out of the solid, (n_x, 0, n_z)
   double radius;   ///< Radius R [µm], positive where the solid is convex and infinite where the curvature is zero.
@@ -29,7 +28,6 @@ struct Asperity {
 /// For the upper surface, the normal and the radius have the opposite sign.
 Asperity asperity(double slope, double curvature, Side side);
 
-/// Osculating spheres, and slopes and curvatures of the profile's spline, at all points of a profile.
 struct Asperities {
   std::vector<double> slope;      ///< slopes f' [-]
   std::vector<double> curvature;  ///< curvatures f'' [1/µm]

@@ -1,7 +1,6 @@
 // Asperity pairs, and the contact point of an asperity pair at a given approach.
 // Source: Hanaor, Gan & Einav, Tribol. Int. 93 (2016) 229, Eqs. 4 and 5.
 //
-// Every type of asperity pair has the members `contact_at(approach)` and `is_separated(approach)`.
 // Positions are relative to the point of the lower surface at which the two asperities face each other.
 // `gap` [µm] is the vertical distance between the facing points of two asperities at first contact of the surfaces.
 #pragma once
@@ -53,7 +52,6 @@ struct SpherePair {
   bool smaller_is_lower;
 
   ContactPoint contact_at(double approach) const;
-  /// Return whether the overlap is zero or negative, without a division or a square root.
   bool is_separated(double approach) const;
   /// Return the numerator of the overlap, (R_u + R_l)² - X² [µm²], with the sign of R_u R_l.
   double overlap_numerator(double penetration) const {
@@ -76,7 +74,6 @@ struct SphereOnFlat {
 using AsperityPair = std::variant<SpherePair, SphereOnFlat>;
 
 /// Return the asperity pair of two spheres, or std::nullopt if spheres of the given curvatures cannot form a contact.
-/// The effective radius must be positive and finite, and the rule `allowed` must permit both curvatures.
 std::optional<SpherePair> sphere_pair(const Asperity& upper, const Asperity& lower, double gap, Curvature allowed);
 
 /// Return the asperity pair of a sphere and a flat, or std::nullopt if the sphere's radius is not positive and finite.

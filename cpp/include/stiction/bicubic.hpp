@@ -10,7 +10,6 @@ constexpr Index min_map_points = 4;
 
 /// Replace heights [µm], at least 4 by 4, by the coefficients [µm] of the B-spline that interpolates the heights.
 /// On entry, the inner elements of `coefficients` contain the heights. The outermost rows and columns are only written.
-/// The coefficients have a round-off of about 1e-16 of the largest height.
 void natural_bicubic(Eigen::Ref<Matrix> coefficients);
 
 /// Compute slopes along the rows (x) and, if there are several rows, along the columns (y). `spacing` is (Δx, Δy) [µm].

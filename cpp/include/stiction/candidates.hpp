@@ -1,6 +1,5 @@
 // Contact candidates of two profiles: the points where the profiles may touch, for any contact law.
 //
-// Both profiles have the same grid.
 // The approach is the displacement of the upper surface towards the lower surface since first grid contact.
 // A profile that is straight to within round-off counts as a flat with the normal of the straight line.
 #pragma once
@@ -22,11 +21,9 @@ namespace stiction {
 enum class Detection { cell, gap_minimum };
 
 /// Return the detection method named "cell" or "gap-minimum", or the curvature rule named "convex" or "signed".
-/// Throws std::invalid_argument for any other name of a method or rule.
 Detection detection(std::string_view name);
 Curvature curvature(std::string_view name);
 
-/// Two profiles with heights [µm] on the same grid, whose spacing is `spacing` [µm].
 struct ProfilePair {
   Values upper;
   Values lower;
@@ -47,8 +44,7 @@ struct Candidate {
 
 /// Call `visit(candidate)` for every candidate whose gap is at most `deepest` [µm] >= 0, from left to right.
 /// With Detection::cell, candidates that touch within their cells at no approach up to `deepest` may be left out.
-/// Throws std::invalid_argument unless both profiles have equally many heights (>= 4), all finite, and a positive
-/// spacing.
+/// Throws std::invalid_argument unless both profiles have equally many finite heights (>= 4) and a positive spacing.
 void for_each_candidate(const ProfilePair& pair, double deepest, Detection detection, Curvature curvature,
                         const std::function<void(const Candidate&)>& visit,
                         const CancellationCheck& check_cancellation = {});
@@ -60,14 +56,12 @@ void for_each_candidate(const ProfilePair& pair, const Prefilter& prefilter, dou
                         Curvature curvature, const std::function<void(const Candidate&)>& visit,
                         const CancellationCheck& check_cancellation = {});
 
-/// Contact candidates of two profiles, valid for all approaches up to `deepest`.
 struct Candidates {
   std::vector<Candidate> all;
   double deepest;  ///< largest approach [µm] at which all contacts are candidates
   double spacing;
 };
 
-/// Find the candidates of two profiles by the method `gap_minimum`.
 Candidates candidates(const ProfilePair& pair, double deepest, Curvature curvature,
                       const CancellationCheck& check_cancellation = {});
 

@@ -30,10 +30,8 @@ struct ContactStatistics {
 };
 
 /// `probabilities` are the probabilities of the quantiles. Small contacts cover at most `max_small_cells` grid cells.
-/// Pressure quantiles are interpolated on the cumulative weight of the sorted pressures.
-/// The cumulative weight of a pressure includes the weights of all smaller pressures and half of its own weight.
-/// Throws std::invalid_argument if arrays of `table` differ in length, or if `table` has no contacts or no pressures.
-/// Also throws std::invalid_argument if `probabilities` are not in increasing order.
+/// Pressure quantiles refer to the cumulative weight of all smaller pressures plus half of the pressure's own weight.
+/// Throws std::invalid_argument for an empty table, arrays of different length, or decreasing `probabilities`.
 ContactStatistics contact_statistics(const ContactTable& table, Values probabilities, double max_small_cells);
 
 /// Throws std::invalid_argument in the same cases as `contact_statistics`, and if a point is not on the grid.

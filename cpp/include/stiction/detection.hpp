@@ -35,8 +35,7 @@ struct IndexRange {
   std::size_t end;
 };
 
-/// Return index ranges, in increasing order, that contain all grid points at which contact is possible.
-/// Contact is possible at a point if its gap is at most `max_gap` [µm] when the profiles first touch.
+/// Return increasing index ranges that contain all grid points whose gap is at most `max_gap` [µm] at first contact.
 std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap);
 
 /// Return an upper bound [µm] on the distance by which the spline of the gap dips below the smallest gap on the grid.
@@ -57,7 +56,6 @@ struct Derivatives {
 
 /// Mark all points at which contact is possible for some approach up to `max_approach` [µm], and possibly more points.
 /// Contact is possible where both profiles are convex and the contact centre passes through the cell of the point.
-/// The contact centre moves in one direction during the approach, so only both ends of the path are tested.
 /// `zero` [µm] is the smallest height difference (upper - lower) on the grid, at which the approach is zero.
 void mark_cells(Derivatives derivatives, const double* upper, const double* lower, std::size_t size, double zero,
                 double max_approach, double half_cell, unsigned char* marks);
@@ -67,7 +65,6 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
 void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks);
 
 /// Return the position of the local minimum of the spline of the gap in an interval [0, spacing) [µm], if there is one.
-/// The inputs are the slopes [-] and curvatures [1/µm] of the gap at both ends of the interval.
 /// A minimum at a grid point belongs to the interval on its right. The first point of a profile is never a minimum.
 std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
                                   double spacing, bool at_first_point = false);
@@ -84,7 +81,6 @@ inline std::optional<double> gap_minimum(double slope, double curvature, double 
     return std::nullopt;
   }
   const double root = std::sqrt(discriminant);
-  // At a minimum of the gap, the slope increases through zero, which selects one root of the quadratic equation.
   // The sign of the curvature selects the form of the quadratic formula that avoids cancellation.
   const double t = curvature >= 0.0 ? -2.0 * slope / (curvature + root) : (root - curvature) / (2.0 * half_rate);
   if (slope < 0.0 && next_slope > 0.0) {

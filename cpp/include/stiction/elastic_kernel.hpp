@@ -28,7 +28,6 @@ struct Grid {
 /// Return the smallest length >= `points` with only the prime factors 2, 3 and 5, for which FFTs are fast.
 std::size_t fast_length(std::size_t points);
 
-/// Buffers that are reused by successive transforms of the same calculation.
 class Workspace {
  public:
   Workspace();
@@ -48,9 +47,7 @@ class Workspace {
 /// On a periodic grid, each Fourier component is multiplied by 2/(E*|k|), and by 0 for k = 0.
 /// On a free grid, the displacements of uniformly loaded cells are superposed on a grid of twice the size.
 /// Sources: Love 1929; Johnson, Contact Mechanics (1985), eq. 3.25.
-/// On profiles (plane strain), the displacement depends on the logarithm of the distance from the load.
-/// The approximate inverse E*|k|/2 may be periodic even on a free grid, because a preconditioner does not change the
-/// result.
+/// The approximate inverse E*|k|/2 is periodic even on a free grid, where it serves only as a preconditioner.
 class ElasticKernel {
  public:
   /// Compute the influence coefficients [µm/GPa]: displacements of all cells due to a pressure on one cell.
@@ -68,7 +65,6 @@ class ElasticKernel {
   void displacement(Values pressure, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool(), std::span<const std::size_t> rows = {}) const;
 
-  /// Compute displacements in single precision, which is accurate enough for the small steps of the solver.
   void displacement(std::span<const float> pressure, std::span<float> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool(), std::span<const std::size_t> rows = {}) const;
 
@@ -116,7 +112,6 @@ class StiffnessKernel {
   void pressure(std::span<const float> displacements, std::span<float> pressures, Workspace& workspace,
                 const ThreadPool& pool = ThreadPool()) const;
 
-  /// Compute displacements due to pressures on the extended grid. Both arguments may be the same array.
   void displacement(Values pressures, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 

@@ -56,7 +56,6 @@ struct AdhesiveStresses {
 };
 
 /// Minimiser of the sum of elastic energy, energy of the attraction and work of the load.
-/// The method is preconditioned conjugate gradients (Polak-Ribière).
 ///
 /// The energy depends on the gap and, on free grids, also on the approach and on the displacements around the grid.
 /// On free grids, the net pressure must vanish at all points around the grid.
@@ -67,8 +66,7 @@ struct AdhesiveStresses {
 class EnergyMinimizer {
  public:
   /// `gap` [µm] of the undeformed surfaces must outlive the minimiser.
-  /// Throws std::invalid_argument if the attraction range or the hardness is not positive, or an array has a wrong
-  /// size.
+  /// Throws std::invalid_argument if range or hardness of the interface is not positive, or an array has a wrong size.
   EnergyMinimizer(Values gap, const Grid& grid, double effective_modulus, const AdhesiveInterface& interface,
                   const ThreadPool& pool = ThreadPool());
 

@@ -30,7 +30,6 @@ class HalfSpaceGrids {
   };
 
   /// The kernels of a grid are computed on first use.
-  /// Throws std::invalid_argument in the same cases as ElasticKernel.
   HalfSpaceGrids(const Grid& finest, double effective_modulus);
 
   const std::vector<Grid>& levels() const { return levels_; }
@@ -67,15 +66,13 @@ class HalfSpaceGrids {
   mutable std::vector<std::shared_ptr<SolverMemory>> memories_;
 };
 
-/// Pressures [GPa], approach [µm] and relative error (see HalfSpaceSolver) of a contact problem.
 struct HalfSpaceSolution {
   std::vector<double> pressure;
   double approach = 0.0;
   double error = 0.0;
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
   /// Potential [µm], that is, gap plus displacement, at the points whose pressure bound is above 0.
-  /// `potential` is empty if all points have the same pressure bound, or if the solver did not converge.
-  /// `potential` is also empty if the solver ignored the displacements of points that cannot touch.
+  /// `potential` is empty for a single bound, without convergence, or if the displacements of some points were ignored.
   std::vector<double> potential;
 };
 
@@ -103,10 +100,8 @@ class HalfSpaceSolver {
   double scale(double mean_pressure) const;
 
   const Grid& grid() const { return grids_->levels()[0]; }
-  /// Return the largest relative error with which a solution is accepted.
   double tolerance() const { return tolerance_; }
 
-  /// Solve the contact problem for a given mean pressure [GPa] on the grid.
   /// If `near` contains the pressures at another load, the solver may start from these pressures.
   HalfSpaceSolution at(double mean_pressure, Values near = {}, const ThreadPool& pool = ThreadPool(),
                        const HalfSpaceProgress& progress = {}) const;
@@ -139,8 +134,7 @@ struct LinearResponse {
   std::vector<double> pressure;  ///< pressures on the grid; the sum of all pressures is 1
 };
 
-/// Compute the linear response of the contact area `in_contact`. The relative error of the compliance is about 1e-7.
-/// The compliance is an energy, so its relative error is the square of the relative error of the pressures.
+/// The compliance is an energy, so its relative error, about 1e-7, is the square of the error of the pressures.
 LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool> in_contact,
                                const ThreadPool& pool = ThreadPool());
 

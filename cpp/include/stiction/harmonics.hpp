@@ -28,7 +28,6 @@ std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, 
 
 /// Write the sum Σ_n weights(d, n) G_n(x_j) [µm] to row d and column j of `profiles`.
 /// `phases` [rad] has the shape (directions M, frequencies N). `weights` [µm] has the shape (any number of rows, N).
-/// A phase is stored as a 64-bit fraction of a turn, so that whole turns are removed without round-off.
 /// The only error in the phase of a harmonic is the round-off of (wavenumber · position) in long double.
 /// Returns the height statistics of each row, which saves the caller a further pass over the row.
 /// Throws std::invalid_argument if shapes do not match, values are out of range, or phases cannot be resolved.
@@ -54,7 +53,6 @@ struct HarmonicArea {
 
 /// Write a surface, the areal form of the profile of Eq. 1, to `heights` [µm] (rows along y, columns along x).
 /// The phase of a harmonic is (2π γ^(n-1) / L) (x cos(π m/M) + y sin(π m/M)) + φ_mn.
-/// All harmonics of frequency n have the same weight w_n [µm].
 /// Accuracy and exceptions are the same as for `harmonic_profiles`.
 void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& area, Eigen::Ref<Matrix> heights,
                       const CancellationCheck& check_cancellation = {});

@@ -35,8 +35,7 @@ inline constexpr Index jackknife_sum_rows = 10;
 /// Write power sums and minima over the repetitions to `sums`, which has the shape (`jackknife_sum_rows`, points).
 /// Rows 0 to 3 contain the sums of c, c², c³ and c⁴, where c is the change of the logarithm of the mean value.
 /// Rows 4 to 7 contain the sums of d, d², d³ and d⁴, where d = dv - s dn is the change of the mean value.
-/// Row 8 contains the smallest relative change of the mean value, dv / mean(v).
-/// Row 9 contains the smallest relative change of the mean load, dn / F.
+/// Rows 8 and 9 contain the smallest relative changes, dv / mean(v) of the mean value and dn / F of the mean load.
 /// Values and loads are interpolated between steps. The mean is taken over `total_repetitions` (R) repetitions.
 void jackknife_sums(const CurvePoints& points, const CurveView& loads, const CurveView& values, Index repetitions,
                     Index total_repetitions, Eigen::Ref<Matrix> sums);

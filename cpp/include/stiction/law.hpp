@@ -1,6 +1,5 @@
 // Contact laws: normal force and area of one asperity contact.
 //
-// A law computes the force, the area and the semi-axes of a contact patch from the overlap and the principal radii.
 // To make a new law available everywhere, add its struct to the variant `Law`.
 #pragma once
 
@@ -23,8 +22,7 @@ struct ForceArea {
   double area;   ///< contact area [µm²]
 };
 
-/// Parameter of a law. The parameter must be finite and between `low` and `high`.
-/// The bounds `low` and `high` themselves are valid only if `inclusive` is true.
+/// The parameter must be finite and between `low` and `high`, which are valid themselves only if `inclusive` is true.
 template <class L>
 struct Parameter {
   std::string_view name;

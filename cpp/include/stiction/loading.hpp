@@ -20,7 +20,6 @@ using BatchFunction = std::function<std::vector<double>(Values)>;
 /// `tolerance` is the relative error of the returned arguments.
 /// If the function jumps over the level, the result is the argument just after the jump.
 /// Method: inverse quadratic interpolation and bisection (Chandrupatla, Adv. Eng. Software 28 (1997) 145).
-/// Each call evaluates the function for all levels, which takes hardly longer than an evaluation for one level.
 std::vector<double> find_crossings(const BatchFunction& function, Values levels, Values left, Values right,
                                    double tolerance);
 

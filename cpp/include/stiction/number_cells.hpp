@@ -11,7 +11,6 @@
 
 namespace stiction {
 
-/// Rows of a text. Each row ends with a line feed.
 struct TextRows {
   std::vector<std::int64_t> starts{0};  ///< offsets of the first character of each row, and of the end of the last row
   std::vector<std::int64_t> widths;

@@ -53,8 +53,7 @@ struct PatchSums {
 
 /// `slope_y` and `slope_x` are the slopes of the deformed interface on the grid; `slope_y` is empty for profiles.
 /// `cell_area` is the area of a grid cell [µm²]. Directions are horizontal unit vectors (x, y).
-/// Throws std::invalid_argument if arrays that belong together differ in length, or if a contact has no points.
-/// Also throws std::invalid_argument if a point is not on the grid, or if a patch number is below 1.
+/// Throws std::invalid_argument if arrays differ in length, a contact is empty, or a point or patch number is invalid.
 PatchSums patch_sums(std::span<const ContactView> contacts, Values slope_y, Values slope_x, double cell_area,
                      std::span<const std::array<double, 2>> directions);
 

@@ -6,9 +6,8 @@
 namespace stiction {
 
 /// Compute slopes along the rows (x) and, if there are several rows, along the columns (y). `spacing` is (Δx, Δy) [µm].
-/// The slopes are exact for each wave below the Nyquist limit.
-/// The slope of a wave at the Nyquist limit, with two points per wavelength, is 0 at all points.
-/// The round-off is about 1e-16 · (largest height)/(spacing). Throws std::invalid_argument if the map is empty.
+/// The slopes are exact for waves below the Nyquist limit, and 0 for waves at the Nyquist limit.
+/// The round-off is about 1e-16 · (largest height)/(spacing).
 void periodic_slopes(const MatrixView& heights, const Vector2& spacing, Eigen::Ref<Matrix> along_x,
                      Eigen::Ref<Matrix> along_y);
 

@@ -27,10 +27,8 @@ namespace stiction {
 /// With the preconditioner, the number of solver iterations is almost independent of the grid size.
 class Preconditioner {
  public:
-  /// Number of points along each side of a block.
   static constexpr std::size_t block_size = 16;
 
-  /// Memory on the grid that a later preconditioner can reuse.
   struct Arrays {
     std::vector<float> result;
     std::vector<float> remainder;

@@ -24,8 +24,7 @@ struct Amplitudes {
 };
 
 /// Compute contact sums for each pair, amplitude, model and approach, in this order. The heights are overwritten.
-/// For the last amplitude, the profiles are scaled in place, which halves the memory traffic.
-/// For all amplitudes except the last, the profiles are scaled into the two rows of `scratch`.
+/// For all amplitudes but the last, profiles are scaled into the two rows of `scratch`; for the last, in place.
 /// Throws the same exceptions as `press`. Also throws std::invalid_argument if shapes differ or a profile is flat.
 std::vector<Sums> press_profile_batches(ProfileBatch upper, ProfileBatch lower, double spacing,
                                         const Amplitudes& amplitudes, Values approaches,

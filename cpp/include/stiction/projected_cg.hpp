@@ -32,11 +32,9 @@ namespace stiction {
 /// M r is then multiplied by the transpose of the interpolation.
 ///
 /// After each step, all pressures are within their bounds, and the sum of the pressures is `total`.
-/// Only pressures at free points change to restore the total load, so points out of contact keep zero pressure.
 /// The energy never increases. Source of the method: Polonsky & Keer, Wear 231 (1999) 206.
 class ProjectedCgSolver {
  public:
-  /// Memory on the grid that a later solver can reuse.
   struct Arrays {
     std::vector<double> potential;
     std::vector<float> residual;
@@ -47,8 +45,7 @@ class ProjectedCgSolver {
   /// `line` is true if the points form a line, so that neighbours in memory are neighbours on the grid.
   /// `bound` contains one pressure bound for all points, which may be infinite, or one bound for each point.
   /// If each point has its own bound, `bound` must outlive the solver.
-  /// Throws std::invalid_argument for 2³¹ points or more, and for negative pressure bounds.
-  /// Also throws std::invalid_argument if the total load is not positive, or not below the sum of the bounds.
+  /// Throws std::invalid_argument for 2³¹ points or more, negative bounds, or a total load outside (0, sum of bounds).
   ProjectedCgSolver(std::vector<double> pressure, double total, Values bound, bool line, Arrays arrays = {});
 
   /// Determine the approach and the free points. Returns the largest |potential - approach| [µm] over the free points.
@@ -60,7 +57,6 @@ class ProjectedCgSolver {
   /// At points that are not free, the residual is 0 on areas, and linearly interpolated on lines.
   std::span<const float> residual(const ThreadPool& pool = ThreadPool());
 
-  /// Return the free points found by the last `update_free_points`, in increasing order.
   std::span<const std::int32_t> free_points() const { return free_points_; }
 
   /// A steepest-descent step uses the residual instead of the preconditioned residual, and always lowers the energy.
@@ -81,8 +77,8 @@ class ProjectedCgSolver {
   /// Replace the potential by a recomputed potential, and restart with steepest descent.
   void restart(std::vector<double> potential);
 
-  /// Return Σ pressure · potential [GPa µm] after `update_free_points`.
-  /// If the initial gap is zero, Σ pressure · potential is twice the elastic energy divided by the area of a cell.
+  /// After `update_free_points`, return Σ pressure · potential [GPa µm].
+  /// If the initial gap is zero, the sum is twice the elastic energy divided by the area of a cell.
   double pressure_dot_potential() const;
 
   double approach() const { return approach_; }

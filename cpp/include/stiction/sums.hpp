@@ -19,7 +19,6 @@
 namespace stiction {
 
 /// `opposing` selects only contacts whose slope opposes the motion (as in the paper). `all` selects every contact.
-/// With `all`, friction also acts at contacts whose slope assists the motion and pushes the upper surface forward.
 enum class Sliding { opposing, all };
 
 /// Return the sliding rule named "opposing" or "all". Throws std::invalid_argument for any other name.
@@ -36,8 +35,7 @@ struct Sums {
   double normal_adhesive = 0.0;        ///< Σ_sliding A t_z    [mN] per GPa of tau0
   double tangential_adhesive = 0.0;    ///< -Σ_sliding A s·t   [mN] per GPa of tau0
 
-  // Sums that show whether the contacts meet the assumptions of the model.
-  // R is the geometric mean of the principal radii of a contact.
+  // Sums that test the assumptions of the model. R is the geometric mean of the principal radii of a contact.
   double overlap_load = 0.0;       ///< Σ F n_z overlap/R                       [mN]
   double load_beyond_hertz = 0.0;  ///< Σ F n_z of contacts with overlap > R/10 [mN]
   double load_below_grid = 0.0;    ///< Σ F n_z of contacts with R < Δx         [mN]
@@ -77,13 +75,10 @@ inline constexpr std::array quantities{
              &Sums::crossed_count},
 };
 
-/// Return the unit vector of the friction force on the upper surface, for a contact with the given normal (n_z > 0).
 Vector3 tangent(const Vector3& normal, const Vector2& direction);
 
-/// Return whether the normal force of a contact on the upper surface is directed against the motion.
 inline bool opposes(const Vector3& normal, const Vector2& direction) { return normal.head<2>().dot(direction) < 0.0; }
 
-/// Factors that convert the normal force and the friction force of a sliding contact to normal and tangential loads.
 struct SlidingFactors {
   double push;  ///< -s·n
   double lift;  ///< t_z
@@ -92,12 +87,10 @@ struct SlidingFactors {
 
 SlidingFactors sliding_factors(const Vector3& normal, const Vector2& direction);
 
-/// Return the normal load F_N or the tangential load F_T [mN] for mu0 [-] and tau0 [GPa].
-/// F_N acts upwards on the upper surface. F_T is the load that starts sliding.
+/// Return the load F_N [mN] upwards on the upper surface, or the load F_T [mN] that starts sliding.
 double normal_load(const Sums& sums, double mu0, double tau0 = 0.0);
 double tangential_load(const Sums& sums, double mu0, double tau0 = 0.0);
 
-/// Status of the coefficient of friction. `no_contact` means that the surfaces do not touch.
 /// `self_locked` means that friction alone holds the surfaces together (F_N <= 0).
 enum class Status { ok, no_contact, self_locked };
 

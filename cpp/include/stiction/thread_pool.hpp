@@ -22,7 +22,6 @@ class ThreadPool {
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
-  /// Return the number of threads, including the caller's thread.
   std::size_t threads() const;
 
   /// Run `work(task, thread)` for each task, and return when all tasks are done.

@@ -3,8 +3,7 @@
 // Units: lengths in µm, forces in mN, pressures in GPa. 1 GPa = 1 mN/µm², so no conversion factors appear. Height is z.
 // A profile lies along the x axis, in the plane y = 0.
 //
-// Headers whose functions take no matrices and no vectors include this file instead of array.hpp.
-// Eigen, which array.hpp includes, would take most of the time of compiling a small source file.
+// Headers without matrices include this file instead of array.hpp, because Eigen takes long to compile.
 #pragma once
 
 #include <cstddef>
