@@ -278,7 +278,7 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
     natural_bicubic(spline);
     for (const Minimum& minimum : minima_in_tile) {
       spline_minima.push_back({minimum, at_minimum(spline, minimum)});
-      // Round-off must not decide which contacts oppose the motion.
+      // Slopes up to `level_limit` count as zero, so that round-off does not decide which contacts oppose the motion.
       for (double* slope : {&spline_minima.back().lower.x, &spline_minima.back().lower.y}) {
         *slope = std::abs(*slope) > level_limit ? *slope : 0.0;
       }

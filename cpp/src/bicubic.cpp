@@ -72,7 +72,6 @@ STICTION_KERNEL(solve_row, (double* row, Index points, Index length, double* wor
 
 Index work_length(Index points) { return points + 2 * reach + static_cast<Index>(widest_pack); }
 
-// Reciprocal pivots: 1/4, 1/(4 - 1/4) and so on, which tend to 2 - sqrt(3).
 std::vector<double> pivots(Index points) {
   std::vector<double> result(static_cast<std::size_t>(points), 0.0);
   for (std::size_t i = 1; i < result.size(); ++i) {

@@ -22,7 +22,6 @@ using std::numbers::pi;
 
 // The columns of a block in one row fill a cache line in single precision.
 constexpr std::size_t columns_per_block = 8;
-// Number of rows by which prefetching precedes copying.
 constexpr std::size_t rows_ahead = 16;
 // An area with fewer values than one task is not divided, because threads would then wait for each other.
 constexpr std::size_t values_per_task = std::size_t{1} << 15;
@@ -30,7 +29,6 @@ constexpr std::size_t values_per_task = std::size_t{1} << 15;
 constexpr double stencil_sum = 0.04;
 // Lower limit of the compliance, relative to a loaded cell, because zero padding could make the compliance negative.
 constexpr double min_compliance_ratio = 1e-3;
-// Points along each axis of the periodic area from which the stencil is computed.
 constexpr std::size_t stencil_points = 32;
 
 // An odd number of cache lines from row to row spreads a column over all cache sets.

@@ -175,7 +175,6 @@ struct Edges {
   }
 };
 
-// The displacement changes by the change of the gap plus the change of the approach.
 // Returns two numbers: scalar product of gap changes and residual, and largest change of a small gap.
 STICTION_MULTIVERSION
 Edges fix_edges(const double* gap, const float* residual, double largest_small_gap, float approach, std::size_t size,
@@ -260,7 +259,6 @@ struct EnergyMinimizer::Residual {
   double approach = 0.0;
 };
 
-// Slope of the energy along the direction, and largest change of a small gap in the step.
 struct EnergyMinimizer::Direction {
   double slope = 0.0;
   double max_change = 0.0;
@@ -402,7 +400,6 @@ MinimizationOutcome EnergyMinimizer::step(MinimizationState& state, double load,
   return MinimizationOutcome::unfinished;
 }
 
-// The residual is zero at points in contact.
 EnergyMinimizer::Residual EnergyMinimizer::compute_residual(const MinimizationState& state, double load,
                                                             const ThreadPool& pool) {
   const auto sums = sum_rows<ResidualSums>(pool, [&](std::size_t first, std::size_t size, std::size_t gap_index) {
@@ -514,7 +511,6 @@ double EnergyMinimizer::find_step_length(const MinimizationState& state, const D
   return find_first_root(energy_slope, direction.slope, max_step);
 }
 
-// A gap that would change its sign becomes 0.
 void EnergyMinimizer::change_state(MinimizationState& state, double step, double load, const ThreadPool& pool) {
   struct Closures {
     bool any = false;

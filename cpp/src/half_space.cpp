@@ -32,10 +32,9 @@ constexpr std::size_t max_influence_points = std::size_t{1} << 20;
 constexpr double coarse_tolerance = 3e-3;
 // On an area, the solution at another load is used as a start up to this ratio of the two loads.
 constexpr double max_load_ratio = 1.3;
-// The finest grid rarely requires a hundred iterations. Coarser grids may stop early: they only give a start.
+// Coarser grids may stop early, because their solutions are only starting points.
 constexpr std::int64_t max_iterations = 2000;
 constexpr std::int64_t max_coarse_iterations = 100;
-// This number of exact evaluations is reached only if round-off prevents convergence.
 constexpr int max_exact_evaluations = 20;
 // Relative difference between displacements that should be equal; the compliance then has an error of about 1e-7.
 constexpr double compliance_tolerance = 1e-3;
@@ -53,9 +52,7 @@ constexpr double selection_approach_ratio = 1.1;
 constexpr std::size_t points_per_task = std::size_t{1} << 16;
 // Displacements count as equal up to this fraction of the displacement of a single loaded cell.
 constexpr double round_off = 1e-9;
-// A search for a given approach rarely needs more than six trial loads.
 constexpr int max_loads = 60;
-// Maximum ratio of successive trial loads.
 constexpr double max_load_step = 30.0;
 // Minimum distance of a trial load from the ends of its bracket, as a fraction of the bracket.
 constexpr double min_bracket_fraction = 1e-3;
@@ -75,7 +72,6 @@ double spacing_ratio(std::size_t points, std::size_t coarser, bool periodic) {
   return periodic ? static_cast<double>(points) / static_cast<double>(coarser) : 2.0;
 }
 
-// Several partial sums allow the loop to be vectorised.
 template <int Exponent>
 STICTION_INLINE double central_sum(const double* values, std::size_t size, double about) {
   std::array<double, 8> sums{};
@@ -147,7 +143,6 @@ void coarsen_gap_along(Values gap, std::size_t blocks, std::size_t old_points, s
   }
 }
 
-// `buffer` is memory for the gaps after the interpolation along y.
 std::vector<double> coarsen_gap(Values gap, const Grid& from, const Grid& to, std::vector<double>& buffer) {
   std::vector<double> result;
   if (from.columns == to.columns) {
@@ -181,7 +176,6 @@ void interpolate_pressure(const double* before, const double* left, const double
   }
 }
 
-// `padded` is a buffer for the row and its neighbours, and `midpoints` for the pressures between points.
 void refine_row(std::span<const double> row, bool periodic, std::span<double> result, std::vector<double>& padded,
                 std::vector<double>& midpoints) {
   const std::size_t columns = row.size();
@@ -206,7 +200,6 @@ void refine_row(std::span<const double> row, bool periodic, std::span<double> re
   }
 }
 
-// `buffer` is memory for the pressures after the interpolation along y.
 std::vector<double> refine_pressure(Values pressure, const Grid& from, const Grid& to, std::vector<double>& buffer) {
   const std::size_t columns = from.columns;
   buffer.resize(to.rows * columns);
@@ -239,9 +232,7 @@ bool is_dense_kernel_faster(std::size_t num_points, const Grid& grid) {
 }
 
 // The starting pressure is scaled to the given mean [GPa]. If `gap` is empty, the gap is 0 at all points.
-// Arrays are taken from `memory`, and returned when the solver is destroyed.
 // On a free area, a point whose initial gap exceeds the approach cannot come into contact.
-// If few points can come into contact, displacements are computed only at these points, with a dense matrix.
 // At all other points, the potential is replaced by its lower bound, the initial gap.
 // `influence` contains the displacements due to a pressure on the first grid point, or is empty to use all points.
 class LevelSolver {
@@ -289,7 +280,6 @@ class LevelSolver {
   // True if the potential is known wherever the pressure bound is above 0. Each point must have its own bound.
   bool has_all_potentials() const { return !selected_points_ || selects_all_points_; }
 
-  // While the approach exceeds `max_approach_`, more points that can come into contact are selected.
   double update_free_points() {
     double error = cg_.update_free_points(pool_);
     while (selected_points_ && cg_.approach() > max_approach_) {
@@ -424,8 +414,6 @@ class LevelSolver {
   bool is_exact_ = false;
 };
 
-// The result is ln(approach / target) - ln((full_contact - approach) / (full_contact - target)).
-// If `full_contact` is infinite, the second logarithm is 0.
 double log_excess(double approach, double target, double full_contact) {
   if (approach >= full_contact) {
     return std::numeric_limits<double>::infinity();
@@ -672,7 +660,6 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
     const double excess = log_excess(solution.approach, approach, full_contact);
     const bool above = excess > 0.0;
     std::optional<End>& other = ends[above ? 0 : 1];
-    // Illinois algorithm: after two trial loads on the same side of the target, halve the excess at the other end.
     if (previous_above == above && other) {
       other->excess *= 0.5;
     }

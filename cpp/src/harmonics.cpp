@@ -34,7 +34,6 @@ constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20
 
 // The group profiles of one block must fit into the second-level cache.
 constexpr Index block = 1024;
-// Number of blocks after which the recurrence of a harmonic is restarted from its phase.
 constexpr Index blocks_per_restart = 8;
 // Points by which a harmonic advances per step. Each SIMD lane has its own recurrence.
 constexpr std::size_t lanes = 32;
@@ -288,7 +287,6 @@ void product(const Eigen::Map<const Matrix>& weights, const double* values, doub
   }
 }
 
-// Cosines and sines of a run of points are computed from the phase at its first point.
 constexpr Index points_per_run = 64;
 static_assert(block % points_per_run == 0);
 

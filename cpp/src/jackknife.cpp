@@ -46,7 +46,6 @@ STICTION_INLINE void compute_log1p(const RepetitionChunk& arguments, std::size_t
   }
 }
 
-// `lane` is the number of the partial sum for the value.
 template <class Add>
 STICTION_INLINE void for_each_lane(const RepetitionChunk& values, std::size_t size, Add add) {
   std::size_t i = 0;

@@ -28,7 +28,6 @@ STICTION_INLINE double larger(double a, double b) { return a > b ? a : b; }
 // A block of 29 cells depends on 32 columns of coefficients, a multiple of every SIMD width.
 constexpr Index cells_per_block = 29;
 
-// A block is marked if it depends on a coefficient of at most `max_value`.
 STICTION_MULTIVERSION
 void mark_low(const double* coefficients, Index cells, double max_value, unsigned char* marks) {
   for (Index first = 0; first < cells; first += cells_per_block) {
@@ -99,7 +98,6 @@ void mark_possible_cells(const double* lowest, const double* x_low, const double
 // Bernstein coefficients of a bicubic polynomial on a cell or a part of a cell, with x as the inner index.
 using Net = std::array<std::array<double, 4>, 4>;
 
-// The last index of `Nets` selects the cell or the part of a cell.
 template <std::size_t lanes>
 using Nets = std::array<std::array<std::array<double, lanes>, 4>, 4>;
 

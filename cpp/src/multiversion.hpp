@@ -5,8 +5,7 @@
 
 #include <cstddef>
 
-// Multiversioning requires the GNU loader on x86-64 Linux. The start-up code of sanitizers is incompatible with
-// resolver functions.
+// Multiversioning requires the GNU loader on x86-64 Linux, and is incompatible with the start-up code of sanitizers.
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
 #define STICTION_SANITIZED
 #elif defined(__has_feature)

@@ -16,7 +16,6 @@ constexpr double block_tolerance = 1e-4;
 // Relative change of the number of free points at which the foundation stiffness is computed again.
 constexpr double max_foundation_change = 0.02;
 constexpr std::size_t points_per_block_task = std::size_t{1} << 16;
-// Each task needs partial sums for all blocks.
 constexpr std::size_t max_tasks = 8;
 
 double product(const std::vector<float>& left, const std::vector<float>& right) {

@@ -22,8 +22,7 @@ constexpr double max_recovery_factor = 100.0;  // largest factor by which steps 
 constexpr int max_failed_steps = 6;
 constexpr double failure_factor = 0.25;
 // Limit of the load change at a free point, relative to the load on all free points.
-// Without this limit, trial lengths would grow, because steps that end at a bound are too short, and round-off would
-// matter.
+// Without this limit, trial lengths would grow from step to step, because steps that end at a bound are too short.
 constexpr double max_change_ratio = 1e3;
 constexpr int max_newton_steps = 200;
 constexpr std::size_t grid_sum_lanes = 8;

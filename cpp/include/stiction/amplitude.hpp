@@ -22,7 +22,6 @@ struct HeightStatistics {
   double max;
 };
 
-/// Accumulator of the height statistics of a profile that is processed in chunks of heights, from left to right.
 /// The statistics do not depend on the chunk sizes if each chunk but the last contains a multiple of `lanes` heights.
 class HeightAccumulator {
  public:

@@ -31,8 +31,7 @@ struct ContactPoint {
   double overlap;
 };
 
-/// Rule that selects pairs of asperities by their curvatures. `convex` requires both surfaces to be convex.
-/// The rule `signed_` also allows a convex sphere inside a larger concave sphere.
+/// `convex` requires both surfaces to be convex; `signed_` also allows a convex sphere in a larger concave sphere.
 enum class Curvature { convex, signed_ };
 
 /// Asperity pair of two spheres, at most one of which is concave (Eq. 4).
@@ -85,7 +84,6 @@ Radii radii(const AsperityPair& asperity_pair);
 enum class ContactClass { no_contact, crossed, contact };
 
 /// In a contact, the asperities overlap, and the contact centre lies in [-half_cell, half_cell) along x (Eq. 5).
-/// With an infinite `half_cell`, the contact centre may lie anywhere.
 inline ContactClass classify(const ContactPoint& contact_point, double half_cell) {
   if (!(contact_point.overlap > 0.0 && contact_point.centre.x() >= -half_cell &&
         contact_point.centre.x() < half_cell)) {

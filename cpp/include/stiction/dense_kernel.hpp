@@ -27,7 +27,6 @@ class DenseKernel {
   /// Both arrays have one value for each grid point. Values at grid points outside `points` are not read or changed.
   void displacement(Values pressure, std::span<double> displacements) const;
 
-  /// The first call of the single-precision version computes and stores the matrix.
   void displacement(std::span<const float> pressure, std::span<float> displacements);
 
  private:

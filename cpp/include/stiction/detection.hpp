@@ -46,7 +46,6 @@ double max_dip(Values upper, Values lower);
 /// Return whether a profile is straight to within round-off of its largest |height| `max_abs` [µm].
 bool is_straight(Values heights, double max_abs);
 
-/// Slopes [-] and curvatures [1/µm] of both profiles at consecutive points of the grid.
 struct Derivatives {
   const double* upper_slope;
   const double* upper_curvature;

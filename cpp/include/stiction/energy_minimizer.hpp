@@ -49,7 +49,6 @@ enum class MinimizationOutcome {
   stalled,    ///< round-off prevents the state from reaching an equilibrium
 };
 
-/// Pressure [GPa] and attraction [GPa] at each grid point.
 struct AdhesiveStresses {
   std::vector<double> pressure;
   std::vector<double> attraction;
@@ -60,7 +59,6 @@ struct AdhesiveStresses {
 /// The energy depends on the gap and, on free grids, also on the approach and on the displacements around the grid.
 /// On free grids, the net pressure must vanish at all points around the grid.
 /// Points in contact keep a gap of 0 as long as their pressure is between 0 and the hardness.
-/// The preconditioner replaces the residual pressures by the displacement that they cause.
 /// Each step ends at the first minimum of the energy along the direction of the step.
 /// Only one thread at a time may use an EnergyMinimizer.
 class EnergyMinimizer {

@@ -29,7 +29,6 @@ class HalfSpaceGrids {
     std::shared_ptr<const ElasticKernel> blocks;  ///< kernels of the blocks of an area, see Preconditioner
   };
 
-  /// The kernels of a grid are computed on first use.
   HalfSpaceGrids(const Grid& finest, double effective_modulus);
 
   const std::vector<Grid>& levels() const { return levels_; }
@@ -83,7 +82,6 @@ using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 /// The solver minimises the energy at a given total load. Each pressure p must satisfy 0 <= p <= bound.
 ///
 /// The method is projected conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206; see ProjectedCgSolver).
-/// On each grid, the iteration starts from the solution on the next coarser grid.
 /// The relative error is the largest gap under pressure or, if larger, the largest overlap, divided by `scale`.
 class HalfSpaceSolver {
  public:

@@ -53,7 +53,6 @@ struct HarmonicArea {
 
 /// Write a surface, the areal form of the profile of Eq. 1, to `heights` [µm] (rows along y, columns along x).
 /// The phase of a harmonic is (2π γ^(n-1) / L) (x cos(π m/M) + y sin(π m/M)) + φ_mn.
-/// Accuracy and exceptions are the same as for `harmonic_profiles`.
 void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& area, Eigen::Ref<Matrix> heights,
                       const CancellationCheck& check_cancellation = {});
 

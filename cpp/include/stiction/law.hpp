@@ -79,7 +79,6 @@ struct JacksonGreen {
   }
   ForceArea operator()(double overlap, const Radii& radii) const;
   Vector2 semi_axes(double overlap, const Radii& radii) const;
-  /// Check the conditions that involve several parameters. Throws std::invalid_argument if a condition is not met.
   void check() const;
 };
 
