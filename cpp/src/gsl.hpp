@@ -5,7 +5,7 @@
 
 namespace stiction::gsl {
 
-/// All elements of a diagonal are equal. `solution` must not alias `right_side`.
+/// The matrix is symmetric, with equal elements on each diagonal. `solution` must not alias `right_side`.
 /// Throws std::runtime_error with GSL's message.
 void solve_tridiagonal(double diagonal, double off_diagonal, Values right_side, std::span<double> solution);
 

@@ -1,7 +1,7 @@
 // Contact of two height maps. Each contact is a Hertzian ellipse at a local minimum of the spline of the gap.
 //
 // The x axis points along a row of a map and the y axis along a column. Both maps have the same grid.
-// The approach [µm] is the displacement of the upper surface towards the lower surface since first grid contact.
+// The approach [µm] is the displacement of the upper surface towards the lower after the first grid points touch.
 // The contact normal is kept constant as the overlap grows: its rotation is of second order in overlap/radius.
 //
 // If the edge of the map cuts a contact ellipse, the Hertzian pressure is integrated over the part inside the map.
@@ -128,7 +128,7 @@ std::vector<Contact> contacts(const ArealCandidates& candidates, double approach
 
 /// Compute the contact sums for every direction and approach, ordered by direction, then by approach.
 /// Approaches [µm] must be at least 0 and strictly increasing. Directions are horizontal unit vectors.
-/// HertzSphere is applied to the contact ellipse, other laws to a sphere with the mean radius of `Radii::mean`.
+/// HertzSphere is applied to the contact ellipse, other laws to a sphere with the radius `Radii::mean`.
 /// Throws std::invalid_argument for invalid arguments and for HertzCylinder.
 std::vector<ArealSums> press(const ArealCandidates& candidates, Values approaches, const Law& law,
                              std::span<const Vector2> directions, Sliding sliding,

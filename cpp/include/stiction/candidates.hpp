@@ -1,6 +1,6 @@
 // Contact candidates of two profiles: the points where the profiles may touch, for any contact law.
 //
-// The approach is the displacement of the upper surface towards the lower surface since first grid contact.
+// The approach is the displacement of the upper surface towards the lower surface after the first grid points touch.
 // A profile that is straight to within round-off counts as a flat with the normal of the straight line.
 #pragma once
 
@@ -17,7 +17,6 @@ namespace stiction {
 
 /// With `cell`, a grid point is in contact if the contact centre lies within half a spacing of the point (Eq. 5).
 /// With `gap_minimum`, each local minimum of the spline of the gap is one candidate, the same at all approaches.
-/// The result of `gap_minimum` does not depend on the grid if the grid resolves the surfaces.
 enum class Detection { cell, gap_minimum };
 
 /// Return the detection method named "cell" or "gap-minimum", or the curvature rule named "convex" or "signed".
@@ -51,7 +50,6 @@ void for_each_candidate(const ProfilePair& pair, double deepest, Detection detec
 
 Prefilter run_prefilter(const ProfilePair& pair);
 
-/// `prefilter` is the result of `run_prefilter` for the same profiles.
 void for_each_candidate(const ProfilePair& pair, const Prefilter& prefilter, double deepest, Detection detection,
                         Curvature curvature, const std::function<void(const Candidate&)>& visit,
                         const CancellationCheck& check_cancellation = {});

@@ -50,7 +50,6 @@ class Workspace {
 /// The approximate inverse E*|k|/2 is periodic even on a free grid, where it serves only as a preconditioner.
 class ElasticKernel {
  public:
-  /// Compute the influence coefficients [µm/GPa]: displacements of all cells due to a pressure on one cell.
   /// Throws std::invalid_argument if the grid is empty, or if a spacing or the modulus is not positive.
   ElasticKernel(const Grid& grid, double effective_modulus, const ThreadPool& pool = ThreadPool());
   ~ElasticKernel();
@@ -95,7 +94,6 @@ class ElasticKernel {
 /// A periodic grid is not extended, and a uniform displacement of it requires no pressure.
 class StiffnessKernel {
  public:
-  /// Throws std::invalid_argument in the same cases as ElasticKernel.
   StiffnessKernel(const Grid& grid, double effective_modulus, const ThreadPool& pool = ThreadPool());
   ~StiffnessKernel();
   StiffnessKernel(const StiffnessKernel&) = delete;

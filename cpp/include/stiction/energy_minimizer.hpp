@@ -26,7 +26,6 @@ struct MinimizationLimits {
   double min_contact_load = 0.0;       ///< mean contact pressure [GPa] below which the bodies count as separate
 };
 
-/// State between two steps of a minimisation, from which the minimisation can be resumed.
 struct MinimizationState {
   std::vector<double> gap;           ///< gap [µm] at each grid point
   std::vector<double> net_pressure;  ///< pressure minus attraction [GPa] on the extended grid of StiffnessKernel

@@ -29,7 +29,6 @@ std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, 
 /// Write the sum Σ_n weights(d, n) G_n(x_j) [µm] to row d and column j of `profiles`.
 /// `phases` [rad] has the shape (directions M, frequencies N). `weights` [µm] has the shape (any number of rows, N).
 /// The only error in the phase of a harmonic is the round-off of (wavenumber · position) in long double.
-/// Returns the height statistics of each row, which saves the caller a further pass over the row.
 /// Throws std::invalid_argument if shapes do not match, values are out of range, or phases cannot be resolved.
 std::vector<HeightStatistics> harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid,
                                                 Eigen::Ref<Matrix> profiles,

@@ -23,7 +23,6 @@ namespace stiction {
 /// The inverse of this sum is S - SP'(K'⁻¹ + PSP')⁻¹PS.
 /// The blocks repeat periodically, so K'⁻¹ multiplies a displacement with the wavenumber k by E* |k| / 2.
 /// K'⁻¹ + PSP' describes a half-space on an elastic foundation with the stiffness PSu, where u is 1 at each free point.
-/// A few conjugate-gradient steps solve the linear system of K'⁻¹ + PSP'.
 /// With the preconditioner, the number of solver iterations is almost independent of the grid size.
 class Preconditioner {
  public:
@@ -51,7 +50,7 @@ class Preconditioner {
   Arrays take_arrays() { return {std::move(result_), std::move(remainder_)}; }
 
  private:
-  /// The values continue periodically beyond the edges.
+  /// The stencil continues the values periodically beyond the edges of the grid.
   void apply_stencil(std::span<const std::int32_t> free_points, std::span<const float> values, const ThreadPool& pool);
   /// Multiply the result of the stencil by the bilinear weights, and sum the products over each block.
   void sum_on_blocks(std::span<const std::int32_t> free_points, std::vector<float>& sums, const ThreadPool& pool);

@@ -21,10 +21,9 @@ namespace stiction {
 /// `potential` is K p + g0, so the gap at approach δ is potential - δ.
 /// A point is free if its pressure lies strictly between the bounds.
 /// A point at a bound is also free if the gap at the point drives the pressure away from the bound.
-/// One iteration consists of the following calls, where `step` is the change of the pressures:
+/// After `restart(potential)`, each iteration consists of the following calls, where a step changes the pressures:
 ///
-/// restart(potential), then  update_free_points()  ->  residual()  ->  step(M residual, K previous step)
-/// ->  advance(K step)
+/// update_free_points()  ->  residual()  ->  step(M residual, K previous step)  ->  advance(K step)
 ///
 /// M acts on the whole grid, so the residual r is extended to points that are not free, where r·Mr should be small.
 /// On areas, r is set to 0 at points that are not free, which gives nearly the smallest r·Mr.
@@ -74,7 +73,7 @@ class ProjectedCgSolver {
   /// Scale the pressures below their bounds to the total load. The caller must then recompute the potential.
   void rescale_to_total();
 
-  /// Replace the potential by a recomputed potential, and restart with steepest descent.
+  /// Restart with steepest descent from a recomputed potential.
   void restart(std::vector<double> potential);
 
   /// After `update_free_points`, return Σ pressure · potential [GPa µm].
