@@ -66,7 +66,6 @@ void multiply_line(const double* coefficients, const double* direct_factors, con
 }
 
 // Along y, the column `second` is traversed backwards, because it belongs to the opposite wavenumber.
-// Each factor is stored twice, for the real and for the imaginary part of a coefficient.
 template <class Real>
 STICTION_INLINE void multiply_mirrored(Real* __restrict first, Real* __restrict second, const Real* first_factors,
                                        const Real* second_factors, const Real* mixing_factors, std::size_t size) {
@@ -337,7 +336,6 @@ class Filter {
     });
   }
 
-  // Columns `first` to `last` - 1 are filtered together with their mirrored columns.
   void filter_columns(Complex* area, std::size_t stride, std::span<const std::size_t> filled,
                       std::span<const std::size_t> result_rows, std::size_t first, std::size_t last,
                       std::array<AlignedBuffer, 5>& buffers) const {
@@ -497,7 +495,6 @@ TransformShape transform_shape(const Grid& grid) {
   return {grid.rows, grid.columns, grid.line ? 1 : padded_length(grid.rows), padded_length(grid.columns)};
 }
 
-// Displacement per pressure [µm/GPa] of each Fourier component, in the order of `Filter`.
 std::vector<double> compliance(const TransformShape& shape, const Grid& grid, double effective_modulus, FftPlans& plans,
                                Scratch& scratch, const ThreadPool& pool) {
   if (grid.periodic) {

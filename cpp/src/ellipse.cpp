@@ -36,7 +36,7 @@ Integrals integrals(double k) {
   return {a, ratio};
 }
 
-// The derivative of ln(shorter/longer) with respect to ln k, where k is the axis ratio.
+// d ln(shorter/longer) / d ln k
 double log_slope(double k, double ratio) {
   const double e2 = (1.0 - k) * (1.0 + k);
   const double complement = 1.0 - ratio;

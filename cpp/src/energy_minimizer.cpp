@@ -54,7 +54,6 @@ STICTION_INLINE void for_lanes(std::size_t size, const Visit& visit) {
   }
 }
 
-// Returns the sum of the absolute values.
 STICTION_MULTIVERSION
 double copy_residual(const double* net_pressure, std::size_t size, float* __restrict residual) {
   Lanes sums{};

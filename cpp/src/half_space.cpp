@@ -157,7 +157,6 @@ std::vector<double> coarsen_gap(Values gap, const Grid& from, const Grid& to, st
   return result;
 }
 
-// Interpolate between the neighbours `left` and `right`, at `fraction` of their distance.
 // Near the edge of a contact, the squared pressure is proportional to the distance from the edge.
 // If `left` or `right` is out of contact, the squared pressure is extrapolated linearly from two points in contact.
 // The extrapolated pressure vanishes at the point out of contact or closer to the contact.
@@ -291,7 +290,6 @@ class LevelSolver {
   }
 
   // Single precision is enough for an estimate, or if the potential is recomputed later.
-  // Potentials of selected points always have double precision.
   void recompute_potential(bool exact) {
     const Values pressure = cg_.pressure();
     std::vector<double> potential = cg_.take_potential();

@@ -223,7 +223,7 @@ STICTION_INLINE void halve(double a, double b, double c, double d, std::array<do
   second = {middle, bcd, cd, d};
 }
 
-// The quarters are in the order lower left, lower right, upper left, upper right.
+// lower left, lower right, upper left, upper right
 STICTION_INLINE void quarter(const Net& net, Nets<4>& quarters) {
   std::array<Net, 2> halves;
   for (std::size_t i = 0; i < 4; ++i) {

@@ -43,7 +43,6 @@ class DisjointSets {
   std::vector<std::int32_t> first_;
 };
 
-// Returns the number of contact patches.
 std::size_t count_patches(const ContactView& contact, std::size_t num_grid_points) {
   const std::size_t size = contact.points.size();
   if (contact.pressure.size() != size || contact.contact_fraction.size() != size || contact.patch.size() != size) {

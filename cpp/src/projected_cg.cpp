@@ -317,7 +317,6 @@ double ProjectedCgSolver::update_free_points(const ThreadPool& pool) {
     pending_fraction_ = 0.0;
   }
   approach_ = between.between > 0.0 ? between.sum / between.between : approach_from_bounds();
-  // One pass over the grid adds the pending response to the potential, and finds the free points.
   const std::size_t size = pressure_.size();
   task_free_points_.resize((size + grid_points_per_task - 1) / grid_points_per_task);
   pool.run(task_free_points_.size(), [&](std::size_t task, std::size_t) {

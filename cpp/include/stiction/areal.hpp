@@ -4,8 +4,6 @@
 // The approach [µm] is the displacement of the upper surface towards the lower after the first grid points touch.
 // The contact normal is kept constant as the overlap grows: its rotation is of second order in overlap/radius.
 //
-// If the edge of the map cuts a contact ellipse, the Hertzian pressure is integrated over the part inside the map.
-//
 // Round-off must not decide whether a nearly level minimum of the gap is a contact.
 // The following rules make the result independent of rotating, mirroring, swapping or shifting the pair of maps:
 // - A level valley or plateau of the gap (see `level_fraction`) has no single lowest point, so it is not a contact.
@@ -95,7 +93,7 @@ struct ArealSums : Sums {
   double load_at_edge = 0.0;        ///< Σ F n_z [mN] of contacts whose ellipse is cut by the edge of the map
   /// Number of grid minima: points whose gap is at most the approach, and at most the gap of every neighbour.
   Index grid_minimum_count = 0;
-  /// Number of grid minima (see `grid_minimum_count`) without a minimum of the spline in the four adjacent cells.
+  /// Number of grid minima without a minimum of the spline in the four adjacent cells.
   Index unanswered_count = 0;
 };
 

@@ -14,8 +14,7 @@
 
 namespace stiction {
 
-/// Principal radii [µm] of the relative curvature of two surfaces at a point.
-/// For two spheres of radii R_u and R_l, both principal radii equal the effective radius R, with 1/R = 1/R_u + 1/R_l.
+/// Principal radii [µm] of the relative curvature. For two spheres, both equal R, with 1/R = 1/R_u + 1/R_l.
 struct Radii {
   double major;  ///< the larger radius
   double minor;

@@ -58,7 +58,6 @@ class ElasticKernel {
 
   const Grid& grid() const { return grid_; }
 
-  /// Compute displacements in double precision, to within the round-off of the largest displacement.
   /// `pressure` and `displacements` may be the same array.
   /// Unless `rows` is empty, only the displacements in these rows of an areal grid are computed and written.
   void displacement(Values pressure, std::span<double> displacements, Workspace& workspace,

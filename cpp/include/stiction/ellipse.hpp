@@ -3,7 +3,6 @@
 
 namespace stiction {
 
-/// Elliptic Hertzian contact at unit overlap.
 /// For any overlap d [µm] > 0 and E* [GPa], the semi-axes are a = sqrt(major d) and b = sqrt(minor d).
 /// The contact area is π sqrt(major minor) d, and the force is 4/3 E* sqrt(force_radius) d^(3/2).
 /// For two spheres, `major`, `minor` and `force_radius` equal the effective radius R.

@@ -51,7 +51,6 @@ class HalfSpaceGrids {
   };
   using BorrowedMemory = std::unique_ptr<SolverMemory, ReturnMemory>;
 
-  /// Return a pointer to memory that no other calculation uses until the pointer is destroyed.
   /// Memory is reused because the operating system clears each page of new memory, which takes long for large grids.
   BorrowedMemory borrow_memory() const;
 

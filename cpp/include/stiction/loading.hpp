@@ -17,7 +17,6 @@ using BatchFunction = std::function<std::vector<double>(Values)>;
 
 /// Find, for each level, the argument at which a function first reaches this level from below.
 /// The function must be below the level at the argument `left`, and at or above the level at `right`.
-/// `tolerance` is the relative error of the returned arguments.
 /// If the function jumps over the level, the result is the argument just after the jump.
 /// Method: inverse quadratic interpolation and bisection (Chandrupatla, Adv. Eng. Software 28 (1997) 145).
 std::vector<double> find_crossings(const BatchFunction& function, Values levels, Values left, Values right,

@@ -19,8 +19,7 @@ namespace stiction {
 /// A 3 x 3 stencil S on the free points describes the short-range interaction of neighbouring points.
 /// A kernel K' on blocks of points describes the slowly varying displacement that distant points cause.
 /// Bilinear weights P interpolate between the blocks and the points.
-/// K is approximately S⁻¹ + P'K'P, where P' is the transpose of P.
-/// The inverse of this sum is S - SP'(K'⁻¹ + PSP')⁻¹PS.
+/// K is approximately S⁻¹ + P'K'P, where P' is the transpose of P, with the inverse S - SP'(K'⁻¹ + PSP')⁻¹PS.
 /// The blocks repeat periodically, so K'⁻¹ multiplies a displacement with the wavenumber k by E* |k| / 2.
 /// K'⁻¹ + PSP' describes a half-space on an elastic foundation with the stiffness PSu, where u is 1 at each free point.
 /// With the preconditioner, the number of solver iterations is almost independent of the grid size.

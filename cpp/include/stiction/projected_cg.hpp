@@ -42,8 +42,7 @@ class ProjectedCgSolver {
 
   /// Start from given pressures >= 0, which are first changed so that they satisfy the bounds and the total load.
   /// `line` is true if the points form a line, so that neighbours in memory are neighbours on the grid.
-  /// `bound` contains one pressure bound for all points, which may be infinite, or one bound for each point.
-  /// If each point has its own bound, `bound` must outlive the solver.
+  /// `bound` contains one bound, which may be infinite, or a bound for each point, which must outlive the solver.
   /// Throws std::invalid_argument for 2³¹ points or more, negative bounds, or a total load outside (0, sum of bounds).
   ProjectedCgSolver(std::vector<double> pressure, double total, Values bound, bool line, Arrays arrays = {});
 
