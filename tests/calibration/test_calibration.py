@@ -249,7 +249,6 @@ def test_two_ranges_of_one_hardness_give_the_interval_of_the_narrower_range(tmp_
         )
         assert result.interval == pytest.approx(tuple(law.predict(target, "20 MPa")[1:]), rel=1e-6)
         caveats = [caveat for caveat in result.caveats if "in the tests of the interface" in caveat.text]
-        # Ranges with different central values are those of two materials, even if they overlap.
         assert len(caveats) == (text not in ("1 GPa ± 10 %", "1.01 GPa ± 2 %"))
         if caveats:
             assert f"the hardness is {text}, but 1 GPa ± 10 % in the tests" in caveats[0].text

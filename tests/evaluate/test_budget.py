@@ -30,7 +30,6 @@ SIDES = ("upper", "lower")
 MAX_SAMPLING_ERROR = 0.02
 MAX_INTERPOLATION_ERROR, MAX_INTERPOLATION_ERROR_OF_WIDE_INPUTS = 0.005, 0.008
 PAIR_OPTIONS = {"shifts": 4, "direction": [0.0, 180.0], "onset": 0}
-# Three positions suffice, because solutions are compared at equal positions.
 THREE_POSITION_OPTIONS = PAIR_OPTIONS | {"shifts": 3}
 
 

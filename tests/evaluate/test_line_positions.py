@@ -454,7 +454,6 @@ def test_half_plane_results_at_each_position_equal_half_space_solutions(small_pa
             )
             np.testing.assert_array_equal(member["contact_count"], curve.contact_count[load_indices])
     total_fraction = values["share_opposing"].sum("direction").values
-    # Every contact opposes one of the two directions. The load fractions add up to exactly 1 for small slopes only.
     np.testing.assert_allclose(total_fraction, 1, atol=0.02)
     for name in ("approach", "normal_stiffness"):
         assert values[name].isnull().all()

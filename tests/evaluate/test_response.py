@@ -126,7 +126,6 @@ def test_dataset_stores_the_contact_area_at_pressures_limited_to_the_hardness(re
     assert stored == pytest.approx(solve_members(result, load, HARDNESS).mean(), rel=1e-9)
 
 
-# The area depends on E* by similarity, and on the hardness and the exponent in closed form.
 @pytest.mark.parametrize(
     "changes", [{"effective_modulus": 50.0}, {"effective_modulus": 130.0}, {"hardness": 0.4}, {"hardness": 3.0},
                 {"yield_exponent": 1.0}, {"hardness": 0.5, "effective_modulus": 120.0, "yield_exponent": 1.5}],

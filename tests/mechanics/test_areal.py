@@ -339,7 +339,6 @@ class TestSurfaceScalingAndSymmetry:
         assert (curve_of_shear.tangential_elastic == curve_of_all_directions.tangential_elastic[3]).all()
 
     def test_candidates_of_a_tiled_map_include_minima_on_tile_seams(self):
-        # The map has several tiles of 256 cells per side, and a minimum on a seam between two tiles.
         size = 300
         y, x = np.meshgrid(np.arange(size), np.arange(size), indexing="ij")
         heights = -np.cos(2 * np.pi * x / 16) - np.cos(2 * np.pi * y / 16)

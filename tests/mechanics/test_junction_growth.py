@@ -85,7 +85,6 @@ def test_friction_law_computes_the_hardness_and_friction_of_yielding_contacts_un
     law = FrictionLaw(0.2, 0.05, 9.0)
     pressure = hardness_under_shear(1.27, 0.2, 0.05, 9.0)
     assert law.yield_pressure(1.27) == pytest.approx(float(pressure), rel=1e-15)
-    # If all contacts yield, the area is the load divided by the pressure of yielding contacts.
     assert law.plastic_coefficient(1.27) == pytest.approx(law.force(3.0, 3.0 / pressure) / 3.0, rel=1e-15)
     assert law.plastic_coefficient(1.27) == pytest.approx(float(tabor_friction(1.27, 0.2, 0.05, 9.0)), rel=1e-15)
     without_growth = FrictionLaw(0.2, 0.05)

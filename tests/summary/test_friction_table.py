@@ -312,7 +312,6 @@ def test_table_command_prints_the_number_of_values_that_must_not_be_quoted(tmp_p
     options = ["--effective-modulus", "10 GPa", "--hurst", "0.8", "--rms", "20 nm", "--points", "64"]
     options += ["--wavelengths", "1.25 um,2.5 um", "--mu0", "0.3"]
     few_contacts = check_stiction("table", *options, "--load", "10 kPa,100 MPa", cwd=tmp_path).stdout
-    # Friction at all contacts equals the given mu0 at the higher pressure, because tau0 is 0.
     counts = "Do not quote (2), Quote with care (1), Quote it (1)"
     assert f"Assessment of 4 coefficients (column assessment): {counts}." in " ".join(few_contacts.split())
     assert "What helps: use larger surfaces or a higher load" in " ".join(few_contacts.split())

@@ -34,7 +34,6 @@ def test_feature_parameters_equal_their_definitions(seed):
 
 
 def test_feature_parameters_of_an_egg_box_equal_closed_forms():
-    # The heights are z = A (cos kx + cos ky)/2.
     # Each square of one wavelength contains one peak of height A and curvature A k²/2.
     points, amplitude, spacing = 40, 0.3, 0.05
     x = 2 * np.pi * (np.arange(5 * points) + points / 2 + 0.25) / points

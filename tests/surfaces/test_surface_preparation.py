@@ -156,7 +156,6 @@ def test_rotated_surface_equals_its_height_function_at_rotated_points(angle, sha
     y, x = rotated_surface.y[:, np.newaxis] - rotated_middle[0], rotated_surface.x - rotated_middle[1]
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
     original_y, original_x = middle_position[0] - s * x + c * y, middle_position[1] + c * x + s * y
-    # The rotated points lie inside the original extent, except for rounding.
     for original_positions, length in ((original_y, shape[0]), (original_x, shape[1])):
         assert original_positions.min() > -1e-9
         assert original_positions.max() < (length - 1) * 0.1 + 1e-9
