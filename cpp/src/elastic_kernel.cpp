@@ -22,7 +22,7 @@ using std::numbers::pi;
 
 // The columns of a block in one row fill a cache line in single precision.
 constexpr std::size_t columns_per_block = 8;
-constexpr std::size_t rows_ahead = 16;
+constexpr std::size_t prefetch_distance_in_rows = 16;
 // An area with fewer values than one task is not divided, because threads would then wait for each other.
 constexpr std::size_t values_per_task = std::size_t{1} << 15;
 // Sum of the stencil weights, relative to the central weight. Wide contact patches require a small sum.
@@ -138,7 +138,7 @@ template <class Real>
 void gather_columns(const std::complex<Real>* area, std::size_t stride, std::span<const std::size_t> rows,
                     std::size_t count, std::size_t column_stride, std::complex<Real>* columns) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    prefetch_columns(area + rows[std::min(i + rows_ahead, rows.size() - 1)] * stride);
+    prefetch_columns(area + rows[std::min(i + prefetch_distance_in_rows, rows.size() - 1)] * stride);
     const std::complex<Real>* from = area + rows[i] * stride;
     for (std::size_t column = 0; column < count; ++column) {
       columns[column * column_stride + rows[i]] = from[column];
@@ -150,7 +150,7 @@ template <class Real>
 void scatter_columns(const std::complex<Real>* columns, std::size_t column_stride, std::span<const std::size_t> rows,
                      std::size_t count, std::size_t stride, std::complex<Real>* area) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    prefetch_columns(area + rows[std::min(i + rows_ahead, rows.size() - 1)] * stride);
+    prefetch_columns(area + rows[std::min(i + prefetch_distance_in_rows, rows.size() - 1)] * stride);
     std::complex<Real>* to = area + rows[i] * stride;
     for (std::size_t column = 0; column < count; ++column) {
       to[column] = columns[column * column_stride + rows[i]];

@@ -12,7 +12,7 @@ namespace stiction {
 namespace {
 
 // The change of a small gap per step is limited, as a multiple of the attraction range, to skip no equilibrium.
-constexpr double max_gap_change = 2.0;
+constexpr double max_change_of_small_gap = 2.0;
 constexpr double small_gap = 5.0;  // as a multiple of the attraction range
 // The line search neglects the attraction beyond this gap, a multiple of the attraction range.
 constexpr double negligible_attraction_gap = 30.0;
@@ -504,9 +504,10 @@ double EnergyMinimizer::find_step_length(const MinimizationState& state, const D
     }
     return elastic_slope + step * curvature + sum;
   };
-  const double max_step = direction.max_change > 0.0
-                              ? std::min(max_gap_change * interface_.range / direction.max_change, max_step_length)
-                              : max_step_length;
+  const double max_step =
+      direction.max_change > 0.0
+          ? std::min(max_change_of_small_gap * interface_.range / direction.max_change, max_step_length)
+          : max_step_length;
   return find_first_root(energy_slope, direction.slope, max_step);
 }
 

@@ -32,8 +32,8 @@ constexpr std::size_t max_influence_points = std::size_t{1} << 20;
 constexpr double coarse_tolerance = 3e-3;
 // On an area, the solution at another load is used as a start up to this ratio of the two loads.
 constexpr double max_load_ratio = 1.3;
-// Coarser grids may stop early, because their solutions are only starting points.
 constexpr std::int64_t max_iterations = 2000;
+// Coarser grids may stop early, because their solutions are only starting points.
 constexpr std::int64_t max_coarse_iterations = 100;
 constexpr int max_exact_evaluations = 20;
 // Relative difference between displacements that should be equal; the compliance then has an error of about 1e-7.
@@ -52,10 +52,10 @@ constexpr double selection_approach_ratio = 1.1;
 constexpr std::size_t points_per_task = std::size_t{1} << 16;
 // Displacements count as equal up to this fraction of the displacement of a single loaded cell.
 constexpr double round_off = 1e-9;
-constexpr int max_loads = 60;
-constexpr double max_load_step = 30.0;
+constexpr int max_trial_loads = 60;
+constexpr double max_trial_load_ratio = 30.0;
 // Minimum distance of a trial load from the ends of its bracket, as a fraction of the bracket.
-constexpr double min_bracket_fraction = 1e-3;
+constexpr double min_load_bracket_fraction = 1e-3;
 
 std::size_t coarsened(std::size_t points, bool periodic) {
   if (points < 2 * min_points_per_axis) {
@@ -648,7 +648,7 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
   std::optional<bool> previous_above;
   HalfSpaceSolution solution;
   double miss = 0.0;
-  for (int count = 0; count < max_loads; ++count) {
+  for (int count = 0; count < max_trial_loads; ++count) {
     std::vector<double> previous = std::move(solution.pressure);
     solution = at(pressure, count == 0 ? near : Values(previous), pool, progress);
     miss = std::abs(solution.approach - approach) / scale(pressure);
@@ -664,13 +664,14 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
     ends[above ? 1 : 0] = End{std::log(pressure), excess};
     previous_above = above;
     if (!other) {
-      pressure *= std::exp(std::clamp(-2 * excess, -std::log(max_load_step), std::log(max_load_step)));
+      pressure *= std::exp(std::clamp(-2 * excess, -std::log(max_trial_load_ratio), std::log(max_trial_load_ratio)));
       continue;
     }
     const auto [left, below] = ends[0].value_or(End{});
     const auto [right, over] = ends[1].value_or(End{});
     const double fraction = std::isfinite(over) ? below / (below - over) : 0.5;
-    pressure = std::exp(left + std::clamp(fraction, min_bracket_fraction, 1 - min_bracket_fraction) * (right - left));
+    pressure = std::exp(left + std::clamp(fraction, min_load_bracket_fraction, 1 - min_load_bracket_fraction) *
+                                   (right - left));
   }
   solution.error = std::max(solution.error, miss);
   return solution;
