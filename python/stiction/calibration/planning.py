@@ -13,7 +13,7 @@ import numpy as np
 from stiction._checks import Floats, check_instance
 from stiction.calibration.prediction import Interface
 from stiction.mechanics.friction import FrictionLaw
-from stiction.study.input_distributions import Z_95, select_by_weight
+from stiction.study.input_distributions import Z_95
 from stiction.study.interfaces import StrengthFit, ValueWithLimits, round_median_strength
 
 DEFAULT_RELATIVE_ERROR = 0.05
@@ -173,6 +173,4 @@ def _reweight(fit: StrengthFit, areas_per_load: Floats, expected: Floats, error:
     """
     predicted = FrictionLaw(fit.mu0[:, np.newaxis], fit.tau0[:, np.newaxis]).force(1.0, areas_per_load)
     log_weights = -0.5 * (((predicted - expected) / error) ** 2).sum(axis=1)
-    return fit.select_samples(
-        select_by_weight(np.cumsum(np.exp(log_weights - log_weights.max())), log_weights.size, 0.5)
-    )
+    return fit.resample(log_weights)

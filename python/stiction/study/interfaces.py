@@ -21,7 +21,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
 from stiction._checks import Floats, check_callable, check_choice, check_instance, parse_path, validate_number
@@ -38,6 +37,7 @@ from stiction.study.input_distributions import (
     draw_input_samples,
     parse_study_input,
     parse_uncertain_input,
+    select_by_weight,
 )
 from stiction.study.values import SettingsSection
 
@@ -156,11 +156,13 @@ class StrengthFit:
     # True area per load A/F (1/GPa) of each test; empty for a published interface or an interface from a file.
     area_per_load_of_tests: Floats = field(default_factory=lambda: np.empty(0))
 
-    def select_samples(self, indices: NDArray[np.intp]) -> StrengthFit:
-        """Return a copy of the fit with the joint samples at the given indices; an index may occur several times.
+    def resample(self, log_weights: Floats) -> StrengthFit:
+        """Return a copy of the fit with as many joint samples, selected in proportion to weights of the samples.
 
-        The fits at bounds are kept unchanged.
+        `log_weights` are the logarithms of the weights, which need no common scale. The fits at bounds are unchanged.
         """
+        cumulative_weights = np.cumsum(np.exp(log_weights - log_weights.max()))
+        indices = select_by_weight(cumulative_weights, log_weights.size, 0.5)
         sample_names = ("mu0", "tau0", "hardness", "junction_growth", "area_per_load")
         columns: dict[str, Any] = {name: getattr(self, name)[indices] for name in sample_names}
         return replace(self, **columns, scores={name: scores[indices] for name, scores in self.scores.items()})

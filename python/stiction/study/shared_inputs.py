@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from stiction._checks import Floats
-from stiction.study.input_distributions import Z_95, UncertainInput, compute_effective_sample_size, select_by_weight
+from stiction.study.input_distributions import Z_95, UncertainInput, compute_effective_sample_size
 from stiction.study.interfaces import InterfaceStrength, StrengthFit, shared_input_name
 
 MAX_RELATIVE_CENTRAL_VALUE_DIFFERENCE = 1e-3
@@ -139,15 +139,11 @@ def apply_ranges_of_pair(strength: InterfaceStrength, shared_inputs: Mapping[str
         return strength
 
     def apply_to(fit: StrengthFit) -> StrengthFit:
-        log_weights = _combine_weights(
-            [
-                _compute_log_density(each.stated, each.sample(fit))
-                - _compute_log_density(each.tested, each.sample(fit))
-                for each in narrower_inputs
-            ]
-        )
-        cumulative_weights = np.cumsum(np.exp(log_weights - log_weights.max()))
-        return fit.select_samples(select_by_weight(cumulative_weights, log_weights.size, 0.5))
+        log_weights = [
+            _compute_log_density(each.stated, each.sample(fit)) - _compute_log_density(each.tested, each.sample(fit))
+            for each in narrower_inputs
+        ]
+        return fit.resample(_combine_weights(log_weights))
 
     fit = strength.fits[0]
     fits_at_bounds = {name: apply_to(fit_at_bound) for name, fit_at_bound in fit.fits_at_bounds.items()}
