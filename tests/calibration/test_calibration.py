@@ -27,6 +27,7 @@ from stiction import (
 from stiction._estimate import Estimate
 from stiction.calibration.fit import CalibrationProblem
 from stiction.calibration.planning import find_plan_conditions
+from stiction.mechanics.friction import FrictionLaw
 from stiction.study.inputs import Inputs
 from stiction.study.interfaces import (
     HARDNESS_HEADER_ENTRY,
@@ -357,6 +358,23 @@ def test_friction_tests_at_several_dwell_times_separate_mu0_from_tau0() -> None:
     assert strength.separated
     assert strength.mu0[0] == pytest.approx(0.2, abs=0.01)
     assert strength.tau0[0] == pytest.approx(0.05, rel=0.1)
+
+
+def test_area_factor_of_a_friction_test_contains_exact_inputs_too() -> None:
+    factor = FrictionTest(Ball("5 mm", "3 GPa"), "20 mN", coefficient=0.3).area_factor
+    assert {name: value.value for name, value in factor.inputs.items()} == {"effective_modulus": 3.0, "area_loss": 0.0}
+    assert factor.uncertain_inputs == {}
+    assert factor.onset_area_and_friction_factors({}, FrictionLaw(0.1, 0.01)) == (1.0, 1.0)
+    cases = [
+        ({"hardness": "1 GPa", "junction_growth": 0, "wait": "1 s", "creep": 0.05}, {"creep"}),
+        ({"hardness": "1 GPa ± 10 %", "yield_exponent": 1.15, "junction_growth": 0}, {"hardness"}),
+    ]
+    for options, uncertain_names in cases:
+        result = pair(*rough_surface_pair(0.05), **PAIR_OPTIONS, **options)
+        factor = FrictionTest(result, "20 MPa", coefficient=0.3).area_factor
+        entries = Inputs.from_study(result.study).entries
+        assert factor.inputs == {name: entries[name].estimate for name in entries if name not in ("mu0", "tau0")}
+        assert uncertain_names <= factor.uncertain_inputs.keys() < factor.inputs.keys()
 
 
 def test_calibration_infers_the_true_modulus_within_its_range() -> None:

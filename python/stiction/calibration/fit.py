@@ -147,13 +147,8 @@ class CalibrationProblem:
                 name = area_error_name(equation.surfaces)
                 area_errors[name] = max(area_errors.get(name, 0.0), equation.scatter)
         self._area_errors = area_errors
-        self.has_growing_contacts = any(
-            equation.area_factor is not None and equation.area_factor.junction_growth is not None
-            for equation in self._friction
-        )
-        input_names = [
-            name for equation in self._friction if equation.area_factor for name in equation.area_factor.nuisance_names
-        ]
+        self.has_growing_contacts = any(equation.area_factor.junction_growth is not None for equation in self._friction)
+        input_names = [name for equation in self._friction for name in equation.area_factor.nuisance_names]
         self._run_membership = _build_run_membership_matrix(tests)
         self.nuisances: list[str] = [
             *([GAIN_PARAMETER_NAME] if common > 0 else []), *area_errors, *dict.fromkeys(input_names),
@@ -188,24 +183,16 @@ class CalibrationProblem:
         cached_factors: dict[Hashable, Floats] = {}
 
         def area_factors_of_test(test: int) -> Floats:
-            equation, factor = self._friction[test], np.ones(shape)
-            if equation.area_factor is not None:
-                is_measured = mu0 is None or tau0 is None
-                key = (
-                    id(equation),
-                    self.measured[test] if is_measured and equation.area_factor.junction_growth is not None else None,
-                )
-                if key not in cached_factors:
-                    # The area of sliding contacts depends only on the ratio of friction force to normal force.
-                    law = (
-                        FrictionLaw(self.measured[test], 0.0) if mu0 is None or tau0 is None else FrictionLaw(mu0, tau0)
-                    )
-                    area, fraction = equation.area_factor.onset_area_and_friction_factors(
-                        equation.area_factor.input_values(probability), law
-                    )
-                    # Pairs (mu0, tau0) for which the softer body shears are excluded: no test can measure such pairs.
-                    cached_factors[key] = area if is_measured else np.where(fraction < 1, np.inf, area)
-                factor = factor * cached_factors[key]
+            equation = self._friction[test]
+            area_factor, is_measured = equation.area_factor, mu0 is None or tau0 is None
+            key = id(equation), self.measured[test] if is_measured and area_factor.junction_growth is not None else None
+            if key not in cached_factors:
+                # The area of sliding contacts depends only on the ratio of friction force to normal force.
+                law = FrictionLaw(self.measured[test], 0.0) if mu0 is None or tau0 is None else FrictionLaw(mu0, tau0)
+                area, fraction = area_factor.onset_area_and_friction_factors(area_factor.input_values(probability), law)
+                # Pairs (mu0, tau0) for which the softer body shears are excluded: no test can measure such pairs.
+                cached_factors[key] = area if is_measured else np.where(fraction < 1, np.inf, area)
+            factor = np.ones(shape) * cached_factors[key]
             if equation.scatter > 0:
                 name = area_error_name(equation.surfaces)
                 factor = factor * np.exp(self._area_errors[name] * scores_by_name[name]).reshape(shape)
@@ -522,9 +509,7 @@ class CalibrationProblem:
         α is 0 if no test includes junction growth, although junction growth would affect at least one test.
         """
         growths = [
-            equation.area_factor.junction_growth
-            for equation in self._friction
-            if equation.area_factor and equation.area_factor.junction_growth
+            equation.area_factor.junction_growth for equation in self._friction if equation.area_factor.junction_growth
         ]
         if growths:
             return growths[0] if len({growth.text for growth in growths}) == 1 else None
@@ -545,24 +530,20 @@ class CalibrationProblem:
         growth_nuisances = [
             equation.area_factor.nuisance_name("junction_growth")
             for equation in self._friction
-            if equation.area_factor and equation.area_factor.junction_growth
+            if equation.area_factor.junction_growth
         ]
         return np.asarray(self.junction_growth.quantile(ndtr(scores[growth_nuisances[0]])))
 
     @cached_property
     def shared_hardness(self) -> Any:
         """Uncertain hardness that all tests share, or None if the tests share no hardness."""
-        first_area_factor = self._friction[0].area_factor
         area_factors = [equation.area_factor for equation in self._friction]
         hardness_nuisances = {
-            area_factor.nuisance_name("hardness") if area_factor and "hardness" in area_factor.uncertain_inputs else ""
+            area_factor.nuisance_name("hardness") if "hardness" in area_factor.uncertain_inputs else ""
             for area_factor in area_factors
         }
-        return (
-            first_area_factor.uncertain_inputs["hardness"]
-            if first_area_factor is not None and len(hardness_nuisances) == 1 and all(hardness_nuisances)
-            else None
-        )
+        is_shared = len(hardness_nuisances) == 1 and all(hardness_nuisances)
+        return area_factors[0].uncertain_inputs["hardness"] if is_shared else None
 
     def _compute_hardness_samples(self, scores: Mapping[str, Floats]) -> Floats:
         """Return samples of the hardness (GPa) that all tests share.
@@ -572,7 +553,7 @@ class CalibrationProblem:
         from scipy.special import ndtr
 
         first_test = self._friction[0]
-        if self.shared_hardness is not None and first_test.area_factor is not None:
+        if self.shared_hardness is not None:
             return np.asarray(
                 self.shared_hardness.quantile(ndtr(scores[first_test.area_factor.nuisance_name("hardness")]))
             )

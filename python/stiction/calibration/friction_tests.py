@@ -109,25 +109,22 @@ class Ball:
         return float(area / force)
 
 
-@dataclass(frozen=True, kw_only=True)
-class _FrictionTestSums:
-    """Contact sums (forces and areas, summed over contacts) of one friction test, divided by the elastic load."""
-
-    sums: Mapping[str, float]
-    scatter: float = 0.0
-    # Tests with equal checksums of their surfaces have the same error of the computed contact area.
-    surfaces: str = ""
-    hardness: float = math.nan
-    area_factor: AreaFactor | None = None  # None for a ratio of 1
-
-
 @dataclass(frozen=True)
 class AreaFactor:
-    """Factor from the computed to the true contact area of a friction test, as a function of uncertain inputs."""
+    """Factor from the computed to the true contact area of a friction test, as a function of the inputs of the test.
 
-    uncertain_inputs: Mapping[str, UncertainInput]
+    In this class, the factor is 1, as for exact inputs and contacts whose area does not change under shear.
+    """
+
+    # Exact and uncertain inputs of a test by name, without mu0 and tau0, which tests determine.
+    inputs: Mapping[str, UncertainInput]
     # Tests with equal checksums of their surfaces have the same area loss.
     surfaces: str
+
+    @cached_property
+    def uncertain_inputs(self) -> dict[str, UncertainInput]:
+        """Inputs that are not exact, by name, and the creep exponent in any case."""
+        return {name: value for name, value in self.inputs.items() if not value.is_exact or name == "creep"}
 
     def nuisance_name(self, name: str) -> str:
         """Return the name of the nuisance parameter that represents the uncertainty of the input `name`.
@@ -159,7 +156,19 @@ class AreaFactor:
         `samples` are samples of the inputs. The junction growth of the test replaces that of the law. At seizure the
         area is infinite, or the nominal area if tau0 is 0.
         """
-        raise NotImplementedError
+        return np.ones(()), np.ones(())
+
+
+@dataclass(frozen=True, kw_only=True)
+class _FrictionTestSums:
+    """Contact sums (forces and areas, summed over contacts) of one friction test, divided by the elastic load."""
+
+    sums: Mapping[str, float]
+    scatter: float = 0.0
+    # Tests with equal checksums of their surfaces have the same error of the computed contact area.
+    surfaces: str = ""
+    hardness: float = math.nan
+    area_factor: AreaFactor = field(default_factory=lambda: AreaFactor({}, ""))
 
 
 @dataclass(frozen=True)
@@ -173,20 +182,11 @@ class _BallAreaFactor(AreaFactor):
     area_loss: float
 
     @classmethod
-    def from_ball(cls, ball: Ball) -> _BallAreaFactor | None:
-        """Return the area factor of a friction test with a ball.
-
-        Returns None if the factor is always 1.
-
-        The factor is 1 if the moduli are exact and shear does not change the area.
-        """
+    def from_ball(cls, ball: Ball) -> _BallAreaFactor:
+        """Return the area factor of a friction test with a ball."""
         loss = ball.lost_fraction
-        uncertain_inputs = ball.moduli.inputs | ({} if loss.is_exact else {"area_loss": loss.estimate})
-        return (
-            cls(uncertain_inputs, f"ball {ball.radius:g}", ball.moduli, float(loss))
-            if uncertain_inputs or loss
-            else None
-        )
+        inputs = ball.moduli.all_inputs | {"area_loss": loss.estimate}
+        return cls(inputs, f"ball {ball.radius:g}", ball.moduli, float(loss))
 
     def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
         """Return two factors at the onset of sliding: contact area over that at the central E*, and 1 for friction."""
@@ -200,33 +200,30 @@ class _AreaFactorFromResult(AreaFactor):
 
     area: AreaFunction
     load: float
-    inputs: Inputs
+    study_inputs: Inputs
     wait: float
 
     @classmethod
-    def from_result(cls, result: Any, load: float, wait: float) -> _AreaFactorFromResult | None:
-        """Return the area factor of a friction test of a computed pair at a load (mN).
-
-        Returns None if the factor is always 1.
-        """
+    def from_result(cls, result: Any, load: float, wait: float) -> AreaFactor:
+        """Return the area factor of a friction test of a computed pair at a load (mN)."""
         sums = MemberSums.of(result)
-        inputs = Inputs.from_study(sums.study)
-        uncertain_inputs = {
-            name: entry.estimate for name, entry in inputs.uncertain.items() if name not in ("mu0", "tau0", "creep")
-        }
-        creep = inputs.estimate("creep")
+        study_inputs = Inputs.from_study(sums.study)
+        creep = study_inputs.estimate("creep")
         if wait != 1 and creep is None:
             raise ValueError("`wait` requires a result that was computed with the options `wait` and `creep`")
-        if not uncertain_inputs and creep is None and not {"junction_growth", "area_loss"} & inputs.entries.keys():
-            return None
-        inputs_of_factor = uncertain_inputs | ({} if creep is None else {"creep": creep})
+        inputs = {
+            name: entry.estimate for name, entry in study_inputs.entries.items() if name not in ("mu0", "tau0", "creep")
+        } | ({} if creep is None else {"creep": creep})
+        unchanged = AreaFactor(inputs, sums.study.pair_checksum)
+        if not unchanged.uncertain_inputs and not {"junction_growth", "area_loss"} & inputs.keys():
+            return unchanged
         area = sums.compute_once(build_area_functions)[0]
-        return cls(inputs_of_factor, sums.study.pair_checksum, area, load, inputs, wait)
+        return cls(inputs, sums.study.pair_checksum, area, load, study_inputs, wait)
 
     @property
     def junction_growth(self) -> UncertainInput | None:
         """Junction growth α with which the test is evaluated, or None if the test is evaluated without growth."""
-        return self.inputs.estimate("junction_growth")
+        return self.study_inputs.estimate("junction_growth")
 
     def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
         """Return two factors at the onset of sliding: true area over computed area, and friction over mu0 F + tau0 A.
@@ -235,7 +232,7 @@ class _AreaFactorFromResult(AreaFactor):
         area is infinite, or the nominal area if tau0 is 0.
         """
         inputs: dict[str, Any] = {
-            "modulus": self.inputs.relative_modulus(samples),
+            "modulus": self.study_inputs.relative_modulus(samples),
             "yield_exponent": samples.get("yield_exponent", self.area.yield_exponent),
             "size_effect": samples.get("size_effect", CENTRAL_SIZE_EFFECT_LENGTH),
         }
@@ -243,12 +240,12 @@ class _AreaFactorFromResult(AreaFactor):
             hardness = samples.get("hardness", np.asarray(self.area.hardness))
             inputs["hardness"] = hardness * self.wait ** -samples["creep"] if "creep" in samples else hardness
         central_area = self.area(self.load)
-        if "area_loss" in self.inputs.entries:
-            law = replace(law, area_loss=samples.get("area_loss", self.inputs.central("area_loss")))
+        if "area_loss" in self.study_inputs.entries:
+            law = replace(law, area_loss=samples.get("area_loss", self.study_inputs.central("area_loss")))
             return self.area.onset(law, self.load, **inputs).area / central_area, np.ones(())
         if (estimate := self.junction_growth) is None:
             return self.area(self.load, **inputs) / central_area, np.ones(())
-        growth = samples.get("junction_growth", self.inputs.central("junction_growth"))
+        growth = samples.get("junction_growth", self.study_inputs.central("junction_growth"))
         law = replace(law, junction_growth=growth, uses_slip_lines=estimate.uses_slip_lines)
         onset = self.area.onset(law, self.load, **inputs)
         area = np.where(law.tau0 > 0, onset.area, np.minimum(onset.area, self.area.nominal_area))
@@ -357,10 +354,12 @@ class FrictionTest:
         return validate_number("uncertainty", uncertainty, above=0) / (load if is_force else 1.0)
 
     @cached_property
-    def area_factor(self) -> AreaFactor | None:
-        """Factor from the computed to the true contact area of the test, or None if the factor is 1 for all inputs."""
+    def area_factor(self) -> AreaFactor:
+        """Factor from the computed to the true contact area of the test; always 1 for a load curve, without inputs."""
         if isinstance(self.result, Ball):
             return _BallAreaFactor.from_ball(self.result)
+        if isinstance(self.result, FrictionCurve):
+            return AreaFactor({}, "")
         return _AreaFactorFromResult.from_result(self.result, float(self.load), float(self.wait))
 
 
@@ -369,16 +368,6 @@ def depends_on_junction_growth(friction: _FrictionTestSums, mu0: float, tau0: fl
     if not friction.sums["tangential_adhesive"] * friction.hardness > MIN_PLASTIC_AREA_RATIO:
         return False
     return abs(FrictionLaw(mu0, tau0).growth_effect(friction.hardness)) > NEGLIGIBLE_GROWTH_EFFECT
-
-
-def find_inputs_of_result(result: Any) -> dict[str, UncertainInput]:
-    """Return the inputs of a ball or of a result of `pair` by name, exact inputs too; empty for a load curve."""
-    if isinstance(result, Ball):
-        return result.moduli.all_inputs | {"area_loss": result.lost_fraction.estimate}
-    if isinstance(result, FrictionCurve):
-        return {}
-    inputs = Inputs.from_study(MemberSums.of(result).study)
-    return {name: entry.estimate for name, entry in inputs.entries.items()}
 
 
 def find_pair_faults(tests: Sequence[FrictionTest]) -> tuple[tuple[str, str], ...]:

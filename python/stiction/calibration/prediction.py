@@ -10,13 +10,7 @@ from typing import Any
 import numpy as np
 
 from stiction._checks import Floats
-from stiction.calibration.friction_tests import (
-    Ball,
-    FrictionTest,
-    depends_on_junction_growth,
-    evaluate_test_sums,
-    find_inputs_of_result,
-)
+from stiction.calibration.friction_tests import Ball, FrictionTest, depends_on_junction_growth, evaluate_test_sums
 from stiction.evaluate.budget import predict_coefficient
 from stiction.mechanics.friction import FrictionCurve, FrictionLaw
 from stiction.solve.member_sums import MemberSums
@@ -89,11 +83,11 @@ class Interface(InterfaceStrength):
         test_sums = evaluate_test_sums(test, fit.sliding)
 
         area_error, area_factor = area_error_name(test_sums.surfaces), test_sums.area_factor
-        names = [area_error, *(() if area_factor is None else area_factor.nuisance_names)]
+        names = [area_error, *area_factor.nuisance_names]
         independent_scores = {
             name: generator.standard_normal(fit.mu0.size) for name in dict.fromkeys(names) if name not in fit.scores
         }
-        growth = None if area_factor is None else area_factor.junction_growth
+        growth = area_factor.junction_growth
         depends_on_growth = growth is not None or depends_on_junction_growth(
             test_sums, float(np.median(fit.mu0)), float(np.median(fit.tau0))
         )
@@ -114,22 +108,19 @@ class Interface(InterfaceStrength):
             if not any(map(math.isnan, combined)):
                 return combined
 
-        surfaces = test_sums.surfaces if area_factor is None else area_factor.surfaces
-        shared_inputs = find_shared_inputs(self, find_inputs_of_result(result), surfaces)
+        shared_inputs = find_shared_inputs(self, area_factor.inputs, area_factor.surfaces)
 
         def compute_coefficients(fit: StrengthFit) -> tuple[Floats, Floats]:
             """Return samples of the coefficient and of its upper limit, which is infinite if the softer body shears."""
             # A parameter that affects both the tests and the prediction has the random samples that the fit has drawn.
             scores = {**independent_scores, **fit.scores}
-            law, friction_fraction = FrictionLaw(fit.mu0, fit.tau0), np.ones(())
-            total_area = np.exp(test_sums.scatter * scores[area_error])
-            if area_factor is not None:
-                samples = area_factor.input_values({name: ndtr(scores[name]) for name in area_factor.nuisance_names})
-                # An input that is exact for the result is not replaced by the samples of the calibration.
-                shared_names = shared_inputs.keys() & area_factor.uncertain_inputs.keys()
-                samples |= {name: shared_inputs[name].sample(fit) for name in shared_names}
-                area, friction_fraction = area_factor.onset_area_and_friction_factors(samples, law)
-                total_area = total_area * area
+            law = FrictionLaw(fit.mu0, fit.tau0)
+            samples = area_factor.input_values({name: ndtr(scores[name]) for name in area_factor.nuisance_names})
+            # An input that is exact for the result is not replaced by the samples of the calibration.
+            shared_names = shared_inputs.keys() & area_factor.uncertain_inputs.keys()
+            samples |= {name: shared_inputs[name].sample(fit) for name in shared_names}
+            area, friction_fraction = area_factor.onset_area_and_friction_factors(samples, law)
+            total_area = np.exp(test_sums.scatter * scores[area_error]) * area
             values = law.coefficient(test_sums.sums, np.where(fit.tau0 > 0, total_area, 1.0), friction_fraction)
             values = np.where(np.isfinite(values), values, np.inf)
             return values, np.where(friction_fraction < 1, np.inf, values)
