@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from dataclasses import replace as replace_fields
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -358,6 +359,16 @@ class _ShearTestSetup:
     variations: list[ContactVariation]
     strips: list[ShearBox]
 
+    @cached_property
+    def interface_attributes(self) -> dict[str, str]:
+        """Sliding rule of a calibrated interface, and its caveats on one line each, as dataset attributes."""
+        if self.strength is None:
+            return {}
+        caveats = find_interface_caveats(self.strength, self.interface_name, self.inputs)
+        lines = [f"{caveat.text}; {caveat.remedy}" for caveat in caveats]
+        rule = {"interface_rule": self.strength.fits[0].sliding}
+        return rule | ({"interface_caveats": "\n".join(lines)} if lines else {})
+
 
 def _build_shear_test_setup(
     box: ShearBox, contact: MeasuredPair, offsets: NDArray[np.int64], strips: Any
@@ -423,7 +434,7 @@ def _compute_shear_tests(
     return test.assign_attrs(
         mu0=inputs.entries["mu0"].estimate.short_text, tau0=inputs.entries["tau0"].text,
         interface=setup.interface_name,
-        **_describe_interface(setup),
+        **setup.interface_attributes,
         direction_deg=box.direction, load_mN=box.load,
         normal_stress_GPa=box.load / area, normal_stiffness_GPa_per_um=box.stiffness / area,
         effective_modulus_GPa=box.effective_modulus, hardness_GPa=math.nan if box.hardness is None else box.hardness,
@@ -433,16 +444,6 @@ def _compute_shear_tests(
         maximum_closure_um=law.maximum_closure, closure_misfit=law.misfit,
         fit_correlation=correlate_facing_slopes(*box.faces_at(offsets[0])), **_describe_roughness(box),
     )  # fmt: skip
-
-
-def _describe_interface(setup: _ShearTestSetup) -> dict[str, str]:
-    """Return the sliding rule of a calibrated interface, and its caveats on one line each, as dataset attributes."""
-    if setup.strength is None:
-        return {}
-    caveats = find_interface_caveats(setup.strength, setup.interface_name, setup.inputs)
-    lines = [f"{caveat.text}; {caveat.remedy}" for caveat in caveats]
-    rule = {"interface_rule": setup.strength.fits[0].sliding}
-    return rule | ({"interface_caveats": "\n".join(lines)} if lines else {})
 
 
 def _shears_before_sliding(box: ShearBox) -> int:
@@ -498,7 +499,7 @@ def _describe_inputs(setup: _ShearTestSetup) -> str:
             for array in (each.mu0, each.tau0, *each.contact_inputs.values()):
                 samples.update(array.tobytes())
         coverages = [each.coverage for each in setup.samples]
-        description += [samples.hexdigest(), coverages, _describe_interface(setup)]
+        description += [samples.hexdigest(), coverages, setup.interface_attributes]
     return repr(tuple(description))
 
 

@@ -19,6 +19,7 @@ from stiction import (
 )
 from stiction.evaluate.shear_intervals import ShearInputSamples, add_shear_intervals
 from stiction.mechanics.joint_closure import fit_bandis_law
+from stiction.summary.interface_caveats import find_interface_caveats
 from stiction.views.shear import headline_estimates, list_caveats
 
 TOOTH_ANGLE = math.radians(10)
@@ -368,6 +369,21 @@ def test_shear_test_accepts_materials_and_interfaces_like_the_pair_function():
     assert tests[0].attrs["interface"] == name
     central_mu0 = float(tests[0].attrs["mu0"])
     assert central_mu0 == pytest.approx(float(np.median(interface(name).fits[0].mu0)), rel=1e-3)
+
+
+def test_shear_test_finds_the_caveats_of_its_interface_once(monkeypatch, tmp_path):
+    calls, film = [], interface("MoS2 on bearing steel, dry air").with_caveats("quote with care", ["a trend"])
+
+    def count_calls(*arguments):
+        calls.append(arguments)
+        return find_interface_caveats(*arguments)
+
+    monkeypatch.setattr("stiction.direct_shear.find_interface_caveats", count_calls)
+    result = run_shear_test(
+        create_sawtooth(1600), path="20 um", steps=1, interface=film, boundary="periodic", directory=tmp_path / "test"
+    )
+    assert result.attrs["interface_caveats"].startswith("interface joint samples: a trend; ")
+    assert len(calls) == 1
 
 
 @pytest.mark.usefixtures("all_input_samples")
