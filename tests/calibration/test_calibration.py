@@ -257,6 +257,33 @@ def test_two_ranges_of_one_hardness_give_the_interval_of_the_narrower_range(tmp_
             assert result.assessment != "Quote it"
 
 
+@pytest.mark.parametrize(("text", "is_equal"), [("1 GPa ± 10 %", True), ("1 GPa", False), ("1.01 GPa ± 10 %", False)])
+def test_range_of_a_hardness_that_is_exact_in_the_tests_applies_in_full_and_has_a_caveat(
+    text, is_equal, tmp_path
+) -> None:
+    def press_pair(rms: float, hardness: str, **options: Any) -> Any:
+        return pair(*rough_surface_pair(rms), hardness=hardness, yield_exponent=1.15, **PAIR_OPTIONS | options)
+
+    test = FrictionTest(press_pair(0.05, "1 GPa"), "20 MPa", coefficient=0.25, uncertainty=0.002)
+    law = calibrate([test] * 4, common=0.0, sliding="all", mu0=0.1)
+    assert dict(law.exact_inputs) == {"hardness": 1.0, "effective_modulus": 80.0, "yield_exponent": 1.15}
+    write_interface(law, tmp_path / "film")
+    assert read_interface(tmp_path / "film").exact_inputs == law.exact_inputs
+    target = press_pair(0.02, text)
+    caveats = predict_wanted_pair(law, target).caveats
+    assert len(caveats) == is_equal
+    if is_equal:
+        assert caveats[0].startswith(
+            "! the hardness is 1 GPa ± 10 %, but exact in the tests of the interface; its error"
+        )
+        result = press_pair(0.02, text, mu0=None, tau0=None, interface=tmp_path / "film")
+        (caveat,) = [caveat for caveat in result.caveats if "exact in the tests" in caveat.text]
+        assert f"! {caveat.text}; {caveat.remedy}" == caveats[0]
+        assert result.assessment != "Quote it"
+        exact_interval = law.predict(press_pair(0.02, "1 GPa"), "20 MPa")
+        assert np.ptp(law.predict(target, "20 MPa")[1:]) > 1.3 * np.ptp(exact_interval[1:])
+
+
 def test_exact_hardness_does_not_widen_the_narrower_range_of_the_modulus() -> None:
     def press_pair(rms: float, modulus: str, hardness: str) -> Any:
         options = {**PAIR_OPTIONS, "effective_modulus": modulus}

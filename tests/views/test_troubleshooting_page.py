@@ -95,6 +95,7 @@ def list_law_caveats():
         for values in coefficients_of_laws
     ]
     inputs = Inputs.from_values({"effective_modulus": parse_input_value("effective_modulus", "3 GPa ± 2 %")})
+    laws.append(calibrate([FrictionTest(Ball("5 mm", "3 GPa"), 100.0, coefficient=0.2, uncertainty=0.01)]))
     return [caveat for law in (*laws, None) for caveat in find_interface_caveats(law, "film", inputs)]
 
 

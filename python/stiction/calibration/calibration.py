@@ -171,7 +171,7 @@ def calibrate(
         header_entries,
         common,
     )
-    interface = replace(interface, pair_faults=find_pair_faults(tests))
+    interface = replace(interface, pair_faults=find_pair_faults(tests), exact_inputs=first_problem.exact_inputs)
     interface = interface.with_caveats(FAULTS_HEADER_ENTRY, [": ".join(fault) for fault in interface.pair_faults])
     is_excluded = fits[0].probability < EXCLUSION_P_VALUE_LIMIT and fits[0].scale > MAX_ERROR_SCALE
     entry = FAULTS_HEADER_ENTRY if is_excluded else CAUTIONS_HEADER_ENTRY

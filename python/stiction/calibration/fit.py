@@ -39,6 +39,7 @@ from stiction.study.interfaces import (
     area_error_name,
     compute_coverage_at_bound,
 )
+from stiction.study.shared_inputs import INPUTS_COMPARED_ELSEWHERE
 
 # Minimum relative standard deviation of the area per load A/F among the tests, if both mu0 and tau0 are fitted.
 MIN_AREA_VARIATION = 0.1
@@ -517,6 +518,19 @@ class CalibrationProblem:
             depends_on_junction_growth(equation, self.best_fit.mu0, self.best_fit.tau0) for equation in self._friction
         ]
         return parse_uncertain_input("junction_growth", 0.0) if any(depend_on_growth) else None
+
+    @property
+    def exact_inputs(self) -> tuple[tuple[str, float], ...]:
+        """Names and values (core units) of the inputs that are exact in at least one test.
+
+        The area loss under shear is left out, because each pair has its own.
+        """
+        inputs = [item for equation in self._friction for item in equation.area_factor.inputs.items()]
+        ignored_names = ("area_loss", *INPUTS_COMPARED_ELSEWHERE)
+        exact_inputs = (
+            (name, float(value.value)) for name, value in inputs if value.is_exact and name not in ignored_names
+        )
+        return tuple(dict.fromkeys(exact_inputs))
 
     def _compute_growth_samples(self, scores: Mapping[str, Floats]) -> Floats:
         """Return samples of the junction growth α that all tests share.

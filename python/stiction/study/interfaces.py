@@ -79,8 +79,15 @@ COMMON_ERROR_HEADER_ENTRY = "common error of the tests"
 Older files do not contain this entry.
 """
 
+EXACT_INPUTS_HEADER_ENTRY = "exact inputs of the tests"
+"""Header entry of an interface file that lists names and values (core units) of the inputs that are exact in tests.
+
+The entry is missing if no input is exact, and in older files.
+"""
+
 RESERVED_HEADER_ENTRIES = (
     "sliding", *_NUMERIC_HEADER_ENTRIES, "separated", COMMON_ERROR_HEADER_ENTRY, *BOUND_HEADER_ENTRIES.values(),
+    EXACT_INPUTS_HEADER_ENTRY,
 )  # fmt: skip
 """Header entries that `write_interface` derives from the interface, so that `about` must not contain them."""
 
@@ -195,6 +202,9 @@ class InterfaceStrength:
     pair_faults : tuple of (str, str)
         Tested pair with the loads of its tests, and a fault that makes its A/F wrong. `about` contains these faults
         too. Empty for an interface from a file.
+    exact_inputs : tuple of (str, float)
+        Names and values (core units) of the inputs that are exact in at least one test, such as the hardness (GPa). The
+        samples contain no error of these inputs.
     """
 
     fits: tuple[StrengthFit, ...]
@@ -206,6 +216,7 @@ class InterfaceStrength:
     about: Mapping[str, str] = field(default_factory=dict)
     common: float = math.nan
     pair_faults: tuple[tuple[str, str], ...] = ()
+    exact_inputs: tuple[tuple[str, float], ...] = ()
 
     @classmethod
     def read(cls, path: str | Path) -> Self:
@@ -246,6 +257,12 @@ class InterfaceStrength:
             common = float(header.pop(COMMON_ERROR_HEADER_ENTRY, math.nan))
             if not (math.isnan(common) or 0 <= common < 1):
                 raise ValueError
+            exact_inputs = tuple(
+                (name, float(value))
+                for name, _, value in (
+                    item.partition(" ") for item in header.pop(EXACT_INPUTS_HEADER_ENTRY, "").split(", ") if item
+                )
+            )
             check_choice("sliding", sliding, SlidingRule)
             parse_study_input("junction_growth", header.get(JUNCTION_GROWTH_HEADER_ENTRY, "0"))
         except (ValueError, KeyError, csv.Error, StopIteration):
@@ -278,7 +295,7 @@ class InterfaceStrength:
             if bound_row_counts
             else _estimate_fits_at_bounds(fit),
         )
-        return cls((fit,), area_per_load, variation, separated, about=header, common=common)
+        return cls((fit,), area_per_load, variation, separated, about=header, common=common, exact_inputs=exact_inputs)
 
     @classmethod
     def named(cls, name_or_path: str | Path) -> Self:
@@ -578,6 +595,8 @@ def _format_interface(interface: InterfaceStrength, about: Mapping[str, str]) ->
     }
     if not math.isnan(interface.common):
         header[COMMON_ERROR_HEADER_ENTRY] = repr(interface.common)
+    if interface.exact_inputs:
+        header[EXACT_INPUTS_HEADER_ENTRY] = ", ".join(f"{name} {value!r}" for name, value in interface.exact_inputs)
     fits_at_bounds = interface.fits[0].fits_at_bounds
     header |= {BOUND_HEADER_ENTRIES[name]: str(fit.mu0.size) for name, fit in fits_at_bounds.items()}
     reserved_keys = (*RESERVED_HEADER_ENTRIES, FAULTS_HEADER_ENTRY, CAUTIONS_HEADER_ENTRY)

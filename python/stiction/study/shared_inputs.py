@@ -70,7 +70,7 @@ class SharedInput:
     @property
     def is_one_quantity(self) -> bool:
         """True if tests and pair give the input equal central values: both ranges describe one quantity."""
-        return math.isclose(self.tested.value, self.stated.value, rel_tol=MAX_RELATIVE_CENTRAL_VALUE_DIFFERENCE)
+        return are_central_values_equal(self.tested.value, self.stated.value)
 
     @property
     def is_narrower_in_pair(self) -> bool:
@@ -82,6 +82,11 @@ class SharedInput:
         from scipy.special import ndtr
 
         return self.tested.quantile(ndtr(fit.scores[self.score_name]))
+
+
+def are_central_values_equal(tested_value: float, stated_value: float) -> bool:
+    """Return whether an input has the same central value in tests and pair, so that both describe one quantity."""
+    return math.isclose(tested_value, stated_value, rel_tol=MAX_RELATIVE_CENTRAL_VALUE_DIFFERENCE)
 
 
 def find_shared_inputs(

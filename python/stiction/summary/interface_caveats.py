@@ -15,11 +15,13 @@ from stiction.study.interfaces import (
     InterfaceStrength,
     shared_input_name,
 )
-from stiction.study.shared_inputs import SharedInput, find_shared_inputs
+from stiction.study.shared_inputs import SharedInput, are_central_values_equal, find_shared_inputs
 from stiction.summary.assessment import Caveat, Severity
 
 SEVERITIES_OF_HEADER_ENTRIES: dict[str, Severity] = {FAULTS_HEADER_ENTRY: "fault", CAUTIONS_HEADER_ENTRY: "caution"}
 """Severity of the caveats in an interface file, by the header entry that contains them."""
+
+_EQUAL_RANGES_REMEDY = "give the same range in both; if the bodies differ, give different central values"
 
 
 def find_interface_caveats(
@@ -46,10 +48,13 @@ def find_interface_caveats(
 def find_range_caveats(strength: InterfaceStrength, inputs: Inputs, pair_checksum: str) -> Iterator[Caveat]:
     """Yield a caveat for each input to which a pair and the tests of its interface give two ranges of one quantity.
 
-    Ranges with different central values belong to two quantities, such as the hardnesses of two materials.
+    Ranges with different central values belong to two quantities, such as the hardnesses of two materials. If an input
+    is exact in the tests, the samples of the interface contain no error of this input, so that the range of the pair
+    applies, and its error is independent.
     """
     estimates = {name: entry.estimate for name, entry in inputs.entries.items()}
-    for name, shared_input in find_shared_inputs(strength, estimates, pair_checksum).items():
+    shared_inputs = find_shared_inputs(strength, estimates, pair_checksum)
+    for name, shared_input in shared_inputs.items():
         if shared_input.has_equal_ranges:
             continue
         entry = inputs.entries[name]
@@ -57,9 +62,20 @@ def find_range_caveats(strength: InterfaceStrength, inputs: Inputs, pair_checksu
         yield Caveat(
             f"{entry.label} is {entry.text}, but {tested_text} in the tests of the interface; these count as two "
             "ranges of one quantity, and the narrower one applies",
-            "give the same range in both; if the bodies differ, give different central values",
+            _EQUAL_RANGES_REMEDY,
             "caution",
         )
+    for name, entry in inputs.uncertain.items():
+        if name not in shared_inputs and any(
+            tested_name == name and are_central_values_equal(value, entry.estimate.value)
+            for tested_name, value in strength.exact_inputs
+        ):
+            yield Caveat(
+                f"{entry.label} is {entry.text}, but exact in the tests of the interface; its error widens the "
+                "interval in full, although most of it would cancel if the tests had the same range",
+                _EQUAL_RANGES_REMEDY,
+                "caution",
+            )
 
 
 def _get_tested_range_text(shared_input: SharedInput, strength: InterfaceStrength, unit: str) -> str:
