@@ -228,9 +228,26 @@ def test_assumed_lay_adds_a_caveat_if_the_interval_excludes_the_coefficient_with
     (caveat,) = [caveat for caveat in point.caveats if "the lay is assumed" in caveat.text] or [None]
     assert (caveat is not None) == has_caveat
     if caveat is not None:
-        assert caveat.text.endswith("anything down to 0.200")
+        limits_text = (
+            "the coefficient may be anything down to 0.200 and the second coefficient may be anything down to 0.100"
+        )
+        assert caveat.text.endswith(f"; with another lay, {limits_text}")
         assert "--lay isotropic" in caveat.remedy
         assert point.assessment == "Quote with care"
+
+
+@pytest.mark.parametrize(("opposing", "has_caveat"), [(0.11, False), (0.12, True)])
+def test_assumed_lay_adds_a_caveat_if_only_the_interval_for_opposing_contacts_excludes_another_lay(
+    opposing, has_caveat
+):
+    study = measured_study(press="lines", mu0=(0.2,)).with_changes({"surfaces.lay_assumed": True})
+    point = summarize_single_point(measured_result(all_contacts=0.21, opposing=opposing, half_width_ratio=0.1), study)
+    texts = [caveat.text for caveat in point.caveats if "the lay is assumed" in caveat.text]
+    text = (
+        "the lay is assumed: parallel grooves on both faces; with another lay, the second coefficient may be anything"
+    )
+    assert texts == [f"{text} down to 0.100"] * has_caveat
+    assert (point.assessment == "Quote with care") == has_caveat
 
 
 @pytest.mark.parametrize(("half_width_ratio", "has_caveat"), [(0.01, True), (0.1, False)])

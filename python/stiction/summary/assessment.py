@@ -825,30 +825,47 @@ def _find_orientation_caveats(point: xarray.Dataset, study: Study) -> Iterator[C
         yield Caveat(text, "try --rotate 180", "caution")
 
 
-def find_lay_caveats(
-    study: Study, coefficient: SlidingRuleCoefficient, roughness_contribution: float | None
-) -> Iterator[Caveat]:
-    """Yield a caveat if the lay of two profiles is assumed, and if another lay may change the coefficient.
+OPPOSING_LOAD_FRACTION = 0.5
+"""Fraction of the load on contacts that oppose the motion, for surfaces with small slopes."""
 
-    The lay only changes the contribution of roughness to the coefficient. If grooves are assumed, the true area without
-    grooves is smaller, and the contribution lies between 0 and its value with grooves. There is no caveat if the
-    interval contains the coefficient without this contribution. If spherical asperities are assumed, another lay may
-    change the coefficient in either direction, and the interval must also contain the coefficient with twice this
-    contribution.
+
+def find_lay_caveats(
+    study: Study, rules: Sequence[SlidingRuleCoefficient], roughness_contribution: float | None
+) -> Iterator[Caveat]:
+    """Yield a caveat if the lay of two profiles is assumed, and if another lay may change a reported coefficient.
+
+    `rules` are the reported coefficients, one for each sliding rule, and `roughness_contribution` is the contribution
+    of roughness to the coefficient if friction acts at all contacts. The lay only changes this contribution: without
+    it, the coefficient for opposing contacts only is half of the coefficient for all contacts. If grooves are assumed,
+    the true area without grooves is smaller, and each coefficient lies between its value without and with the
+    contribution of roughness. There is no caveat if all intervals contain the coefficients without this contribution.
+    If spherical asperities are assumed, another lay may change a coefficient in either direction, and the interval must
+    also contain the coefficient with twice this contribution.
     """
-    is_lower_limit = coefficient.status == friction.STATUS_BULK_SHEAR
-    if not getattr(study.surfaces, "lay_assumed", None) or math.isnan(coefficient.value) or is_lower_limit:
+    if not getattr(study.surfaces, "lay_assumed", None) or not _is_coefficient(rules[0]):
         return
     are_grooves_assumed = has_grooves(study)
     text = f"the lay is assumed: {'parallel grooves' if are_grooves_assumed else 'spherical asperities'} on both faces"
     if roughness_contribution is not None:
-        lowest_coefficient = coefficient.value - roughness_contribution
-        limits = [lowest_coefficient, *([] if are_grooves_assumed else [coefficient.value + roughness_contribution])]
-        if all(coefficient.lower <= limit <= coefficient.upper for limit in limits):
+        (value,) = (rule.value for rule in rules if rule.rule == "all")
+        lowest_by_rule = {"all": value - roughness_contribution}
+        lowest_by_rule["opposing"] = OPPOSING_LOAD_FRACTION * lowest_by_rule["all"]
+        change_texts = []
+        for rule, name in zip(rules, ("the coefficient", "the second coefficient"), strict=False):
+            lowest = lowest_by_rule[rule.rule]
+            limits = [lowest, *([] if are_grooves_assumed else [2 * rule.value - lowest])]
+            if _is_coefficient(rule) and not all(rule.lower <= limit <= rule.upper for limit in limits):
+                change_texts.append(f"{name} may be anything down to {lowest:.3f}")
+        if not change_texts:
             return
         if are_grooves_assumed:
-            text += f"; with another lay, the coefficient may be anything down to {lowest_coefficient:.3f}"
+            text += f"; with another lay, {' and '.join(change_texts)}"
     yield Caveat(text, "specify --lay grooves or, for faces without grooves, --lay isotropic", "caution")
+
+
+def _is_coefficient(rule: SlidingRuleCoefficient) -> bool:
+    """Return whether there is a coefficient for a sliding rule, and not only a lower limit of it."""
+    return not math.isnan(rule.value) and rule.status != friction.STATUS_BULK_SHEAR
 
 
 MIN_YIELDING_PRESSURE_FRACTION = 0.45

@@ -553,11 +553,13 @@ def summarize_point(
         for caveat in input_caveats
         if study.surfaces.both_readings or cut_off < caveat.cut_off
     ]
-    roughness_contribution = _estimate_roughness_contribution(quoted_values, study, rules[0])
+    roughness_contributions = {
+        rule.rule: _estimate_roughness_contribution(values_by_rule[rule.rule], study, rule) for rule in rules
+    }
     caveats = [
         *kept_caveats,
         *find_point_caveats(quoted_values, study, rule_with_interval_of_mean, status),
-        *find_lay_caveats(study, rules[0], roughness_contribution),
+        *find_lay_caveats(study, rules, roughness_contributions.get("all")),
     ]
     return PointSummary(
         study=study,
@@ -571,7 +573,7 @@ def summarize_point(
         else _find_bounds_for_finer_scans(quoted_values, study, rule_with_interval_of_mean),
         budget=_list_budget_entries(point, rules[0]),
         contributions=_compute_friction_contributions(quoted_values, study, rules[0]),
-        roughness_contribution=roughness_contribution,
+        roughness_contribution=roughness_contributions[rules[0].rule],
         after_dwell=_list_dwell_time_coefficients(point, rules[0].rule),
         pull_off=find_pull_off_values(point, study, rules[0].rule),
         quantities=quantities.estimates,
