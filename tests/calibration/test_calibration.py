@@ -20,6 +20,7 @@ from stiction import (
     calibrate,
     half_space,
     hardness_under_shear,
+    open_result,
     pair,
     read_interface,
     write_interface,
@@ -833,6 +834,10 @@ def test_interface_file_preserves_junction_growth(tmp_path) -> None:
     assert np.ptp(table.values[1:]) < 2 * np.ptp(expected[1:])
     contradicting_result = pair(*rough_surface_pair(0.03), **options, interface=path, junction_growth=20)
     assert any("calibrated with junction growth 0..27" in caveat.text for caveat in contradicting_result.caveats)
+    # The study contains the junction growth of the tests.
+    path.unlink()
+    reopened = open_result(contradicting_result.path)
+    assert any("calibrated with junction growth 0..27" in caveat.text for caveat in reopened.caveats)
 
 
 def test_outlier_among_friction_tests_does_not_shift_a_robust_fit() -> None:

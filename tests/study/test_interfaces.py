@@ -214,9 +214,91 @@ def test_sliding_rule_of_an_interface_is_still_listed_first_after_its_file_was_r
     Path(copy).unlink()
     reopened = open_result(stored_result.path)
     assert find_interface(reopened.study) is None
-    assert any("interface opposing_film is missing or has changed" in caveat.text for caveat in reopened.caveats)
-    assert reopened.assessment != "Quote it"
     assert (reopened.summary().first.rules[0].rule, reopened.value) == ("opposing", stored_result.value)
+
+
+def move_file(path: Path) -> None:
+    path.rename(path.with_name("moved_film"))
+
+
+@pytest.mark.parametrize("remove", [move_file, Path.unlink], ids=["moved", "deleted"])
+@pytest.mark.parametrize("entries", [{}, {"quote with care": "a trend"}, {"do not quote": "few contacts"}], ids=str)
+def test_study_keeps_the_caveats_of_an_interface_whose_file_was_removed(tmp_path, film_file, remove, entries) -> None:
+    law = interface(film_file)
+    for entry, text in entries.items():
+        law = law.with_caveats(entry, [text])
+    write_interface(law, tmp_path / "film")
+    stored_result = pair(*rough_surfaces(), interface=tmp_path / "film", **PAIR_OPTIONS)
+    remove(tmp_path / "film")
+    reopened = open_result(stored_result.path)
+    assert find_interface(reopened.study) is None
+    assert (reopened.assessment, reopened.caveats) == (stored_result.assessment, stored_result.caveats)
+    assert [caveat.text for caveat in reopened.caveats if "film" in caveat.text] == [
+        f"interface film: {text}" for text in entries.values()
+    ]
+
+
+def test_study_of_an_older_version_does_not_know_the_caveats_of_an_interface_whose_file_was_removed(
+    tmp_path, film_file
+) -> None:
+    copy = Path(shutil.copy(film_file, tmp_path))
+    stored_result = pair(*rough_surfaces(), interface=copy, **PAIR_OPTIONS)
+    text = stored_result.study.to_toml()
+    new_entries = ', faults = "", cautions = "", separated = true, junction_growth = ""'
+    assert text.count(new_entries) == 1
+    (stored_result.path / "study.toml").write_text(text.replace(new_entries, ""))
+    assert open_result(stored_result.path).caveats == stored_result.caveats
+    copy.unlink()
+    reopened = open_result(stored_result.path)
+    assert any("interface film is missing or has changed" in caveat.text for caveat in reopened.caveats)
+    assert reopened.assessment != "Quote it"
+
+
+def test_caveats_of_an_interface_are_unknown_if_its_file_was_replaced_by_another_law(tmp_path, film_file) -> None:
+    write_interface(interface(film_file), tmp_path / "film")
+    stored_result = pair(*rough_surfaces(), interface=tmp_path / "film", **PAIR_OPTIONS)
+    write_interface(
+        calibrate([FrictionTest(Ball("5 mm", "3 GPa"), 9.0, coefficient=1, uncertainty=0.1)]), tmp_path / "film"
+    )
+    reopened = open_result(stored_result.path)
+    assert any("interface film is missing or has changed" in caveat.text for caveat in reopened.caveats)
+    assert reopened.assessment != "Quote it"
+
+
+def test_caveats_of_an_interface_apply_if_the_scans_of_the_pair_were_removed(tmp_path, film_file) -> None:
+    write_interface(interface(film_file).with_caveats("do not quote", ["few contacts"]), tmp_path / "film")
+    scans = [tmp_path / f"{side}.npy" for side in ("upper", "lower")]
+    for body, path in zip(rough_surfaces(), scans, strict=True):
+        write_surface(body, path)
+    stored_result = pair(*scans, interface=tmp_path / "film", **PAIR_OPTIONS)
+    for path in scans:
+        path.unlink()
+    reopened = open_result(stored_result.path)
+    assert "interface film: few contacts" in [caveat.text for caveat in reopened.caveats]
+    assert reopened.assessment == "Do not quote"
+
+
+def test_contributions_of_mu0_and_adhesion_stay_summed_if_the_interface_file_is_missing(tmp_path, film_file) -> None:
+    write_interface(replace(interface(film_file), separated=False), tmp_path / "sum")
+    stored_result = pair(*rough_surfaces(), interface=tmp_path / "sum", **PAIR_OPTIONS)
+    (tmp_path / "sum").unlink()
+    point = open_result(stored_result.path).summary().first
+    assert point.contribution_terms == stored_result.summary().first.contribution_terms
+    assert list(point.contribution_terms) == ["mu0_and_adhesion", "slopes"]
+
+
+def test_resampled_fit_contains_samples_in_proportion_to_their_weights(film_file) -> None:
+    fit = interface(film_file).fits[0]
+    names = ("mu0", "tau0", "hardness", "junction_growth", "area_per_load")
+    equal = fit.resample(np.full(fit.mu0.size, 1000.0))
+    for name in names:
+        np.testing.assert_array_equal(getattr(equal, name), getattr(fit, name))
+    index = int(np.argmax(fit.mu0))
+    weighted = fit.resample(np.where(np.arange(fit.mu0.size) == index, np.log(fit.mu0.size - 1), 0.0))
+    is_selected = weighted.mu0 == fit.mu0[index]
+    assert is_selected.sum() == pytest.approx(fit.mu0.size / 2, abs=1)
+    np.testing.assert_array_equal(weighted.tau0[is_selected], fit.tau0[index])
+    assert weighted.fits_at_bounds is fit.fits_at_bounds
 
 
 def test_interface_entry_without_a_sliding_rule_has_the_rule_of_its_file(opposing_result) -> None:

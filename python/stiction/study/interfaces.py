@@ -11,6 +11,7 @@ import contextlib
 import csv
 import io
 import math
+import os
 import tomllib
 import zlib
 from collections.abc import Callable, Mapping, Sequence
@@ -460,15 +461,22 @@ class InterfaceStrength:
 
         The value None of `growth` stands for α = 0.
         """
-        test_growth = self.junction_growth
-        if test_growth is None or growth is None:
-            return test_growth is not None and test_growth.high == 0
-        are_same_kind = test_growth.uses_slip_lines == growth.uses_slip_lines
-        return (
-            are_same_kind
-            and test_growth.distribution == growth.distribution
-            and np.allclose([test_growth.low, test_growth.high], [growth.low, growth.high])
-        )
+        return has_growth_of_tests(growth, self.junction_growth)
+
+
+def has_growth_of_tests(growth: UncertainInput | None, test_growth: UncertainInput | None) -> bool:
+    """Return whether a junction growth α and its uncertainty equal those of friction tests.
+
+    The value None of `growth` stands for α = 0, and the value None of `test_growth` for an unknown α.
+    """
+    if test_growth is None or growth is None:
+        return test_growth is not None and test_growth.high == 0
+    are_same_kind = test_growth.uses_slip_lines == growth.uses_slip_lines
+    return (
+        are_same_kind
+        and test_growth.distribution == growth.distribution
+        and np.allclose([test_growth.low, test_growth.high], [growth.low, growth.high])
+    )
 
 
 def compute_coverage_at_bound(values: Floats) -> float:
@@ -716,7 +724,8 @@ def read_interface_entries(path: str | Path) -> dict[str, dict[str, str]]:
 class InterfaceSettings(SettingsSection):
     """Section of a study file for an interface, which defines mu0 and tau0 together.
 
-    `mu0`, `tau0` and `sliding` apply if the file of the interface is missing or has changed.
+    `mu0`, `tau0` and `sliding` apply if the file of the interface is missing or has changed. `faults`, `cautions`,
+    `separated` and `junction_growth` apply if the file is missing; older study files do not contain these keys.
     """
 
     file: str = Field(min_length=1, max_length=4096, description="Name or file of an interface.")
@@ -724,6 +733,18 @@ class InterfaceSettings(SettingsSection):
     tau0: ShearStrengthEntry
     sliding: SlidingRule = Field(
         default="all", description="Sliding rule under which mu0 and tau0 were fitted: all or opposing contacts."
+    )
+    faults: str | None = Field(
+        default=None, description="Caveats of the tests, because of which no coefficient may be quoted; may be empty."
+    )
+    cautions: str | None = Field(
+        default=None, description="Caveats of the tests, because of which to quote with care; may be empty."
+    )
+    separated: bool | None = Field(
+        default=None, description="False if the tests determine only mu0 + tau0 A/F, and not mu0 and tau0 separately."
+    )
+    junction_growth: str | None = Field(
+        default=None, description="Junction growth α of the tests; empty if α differs between tests or has no effect."
     )
 
     @classmethod
@@ -742,7 +763,12 @@ class InterfaceSettings(SettingsSection):
                 round_median_strength(strength), strength.strength_intervals, (1.0, 1e3), ("", " MPa"), strict=True
             )
         )
-        return cls.model_validate({"file": file, "mu0": mu0, "tau0": tau0, "sliding": strength.fits[0].sliding})
+        return cls.model_validate({
+            "file": file, "mu0": mu0, "tau0": tau0, "sliding": strength.fits[0].sliding,
+            "faults": strength.about.get(FAULTS_HEADER_ENTRY, ""),
+            "cautions": strength.about.get(CAUTIONS_HEADER_ENTRY, ""), "separated": strength.separated,
+            "junction_growth": strength.about.get(JUNCTION_GROWTH_HEADER_ENTRY, ""),
+        })  # fmt: skip
 
     def find_current_entry(self) -> InterfaceSettings | None:
         """Return the present entry of the interface, or None if the interface file is missing or has changed.
@@ -765,6 +791,27 @@ class InterfaceSettings(SettingsSection):
             return _read_cached_interface(self.file, 0 if self.is_published else Path(self.file).stat().st_mtime_ns)
         except (ValueError, OSError):
             return None
+
+    @property
+    def caveats_of_missing_file(self) -> dict[str, str] | None:
+        """Caveats of the tests by header entry, if the interface file was moved or deleted; None if they are unknown.
+
+        The caveats are unknown if the file has changed, or if an older version of the program stored this section.
+        """
+        if self.faults is None or self.cautions is None or os.path.lexists(self.file):
+            return None
+        return {FAULTS_HEADER_ENTRY: self.faults, CAUTIONS_HEADER_ENTRY: self.cautions}
+
+    def find_junction_growth(self) -> UncertainInput | None:
+        """Return the junction growth α of the tests, from the study if the interface file was moved or deleted.
+
+        Returns None if α differs between tests, has no effect on the tests or is unknown.
+        """
+        if (strength := self.load()) is not None:
+            return strength.junction_growth
+        if not self.junction_growth or self.caveats_of_missing_file is None:
+            return None
+        return parse_study_input("junction_growth", self.junction_growth)
 
     @property
     def is_published(self) -> bool:

@@ -36,7 +36,8 @@ from stiction.mechanics.half_space_problem import min_resolved_adhesion_range
 from stiction.mechanics.hardness import estimate_indentation_depth, size_effect_factor
 from stiction.mechanics.materials import MAX_RUBBER_MODULUS, softest_material
 from stiction.study.input_distributions import UncertainInput, parse_input_value
-from stiction.study.inputs import Inputs, find_interface, find_materials
+from stiction.study.inputs import Inputs, find_materials
+from stiction.study.interfaces import has_growth_of_tests
 from stiction.study.moduli import DEFAULT_YIELD_EXPONENT, ELASTOMER_AREA_LOSS
 
 if TYPE_CHECKING:
@@ -558,14 +559,11 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> It
     if hardness is None or not (mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS):
         return
     growth = Inputs.from_study(study).estimate("junction_growth")
-    interface = find_interface(study)
-    if (
-        interface is not None
-        and interface.junction_growth is not None
-        and not interface.has_equal_junction_growth(growth)
-    ):
+    interface = study.friction.interface
+    test_growth = None if interface is None else interface.find_junction_growth()
+    if test_growth is not None and not has_growth_of_tests(growth, test_growth):
         growth_text, test_text = (
-            estimate.short_text if estimate is not None else "0" for estimate in (growth, interface.junction_growth)
+            "0" if estimate is None else estimate.short_text for estimate in (growth, test_growth)
         )
         text = f"the interface was calibrated with junction growth {test_text}, but the pair has {growth_text}"
         yield Caveat(text, "give the calibration and the pair the same --junction-growth", "caution")

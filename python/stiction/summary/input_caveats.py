@@ -140,25 +140,7 @@ def find_input_caveats(
     ]
     longest_cutoff = MAX_CUTOFF_FRACTION * min(_get_shortest_side_length(body) for body in (upper, lower))
     caveats = [replace(caveat, remedy=_adapt_remedy_to_max_cutoff(caveat, longest_cutoff)) for caveat in caveats]
-    mu0 = max(float(value) for value in study.friction.mu0)
-    if mu0 > MAX_PLAUSIBLE_MU0:
-        text = f"μ0 = {mu0:g} is above {MAX_PLAUSIBLE_MU0:g}, the largest plausible μ0"
-        caveats.append(Caveat(text, "specify μ0 as a fraction, not in per cent", "caution"))
-    interface = find_interface(study)
-    if interface is not None and interface.has_unknown_range:
-        text = (
-            f"the interval does not include the uncertainty of μ0 and τ0, because the interface "
-            f"{study.friction.interface.name if study.friction.interface else ''} has no known range"
-        )
-        caveats.append(
-            Caveat(
-                text, "measure μ0 and τ0 (stiction calibrate), or give --mu0 and --tau0 with their ranges", "caution"
-            )
-        )
-    if study.friction.interface is not None:
-        caveats += find_interface_caveats(
-            interface, study.friction.interface.name, Inputs.from_study(study), study.pair_checksum
-        )
+    caveats += _find_strength_caveats(study)
     area = float(np.prod(np.minimum(_get_axis_extents(upper), _get_axis_extents(lower))))
     modulus = float(study.contact.effective_modulus)
     for load in loads:
@@ -169,6 +151,28 @@ def find_input_caveats(
     caveats += _find_mirror_caveats(upper, lower, study)
     caveats += _find_mated_face_caveats(upper, lower, study)
     return tuple(caveats)
+
+
+def _find_strength_caveats(study: Study) -> Iterator[Caveat]:
+    """Yield the caveats about mu0 and tau0 of a study, and about its interface."""
+    mu0 = max(float(value) for value in study.friction.mu0)
+    if mu0 > MAX_PLAUSIBLE_MU0:
+        text = f"μ0 = {mu0:g} is above {MAX_PLAUSIBLE_MU0:g}, the largest plausible μ0"
+        yield Caveat(text, "specify μ0 as a fraction, not in per cent", "caution")
+    if (settings := study.friction.interface) is None:
+        return
+    interface = find_interface(study)
+    if interface is not None and interface.has_unknown_range:
+        text = (
+            "the interval does not include the uncertainty of μ0 and τ0, because the interface "
+            f"{settings.name} has no known range"
+        )
+        yield Caveat(
+            text, "measure μ0 and τ0 (stiction calibrate), or give --mu0 and --tau0 with their ranges", "caution"
+        )
+    yield from find_interface_caveats(
+        interface, settings.name, Inputs.from_study(study), study.pair_checksum, settings.caveats_of_missing_file
+    )
 
 
 def _find_mated_face_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) -> Iterator[Caveat]:
@@ -311,9 +315,9 @@ def find_scan_caveats(
 
 
 def find_study_caveats(study: Study, alternatives: Collection[str] = ()) -> tuple[Caveat, ...]:
-    """Return the caveats about the scans of a study.
+    """Return the caveats about the scans and other inputs of a study.
 
-    Returns an empty tuple if files are missing.
+    If files of scans are missing, only the caveats about mu0, tau0 and the interface are returned.
 
     `alternatives` contains the names of the alternative preparations that the interval includes.
     """
@@ -323,7 +327,7 @@ def find_study_caveats(study: Study, alternatives: Collection[str] = ()) -> tupl
     try:
         upper, lower = surfaces.upper.read(), surfaces.lower.read()
     except (ValueError, OSError):
-        return ()
+        return tuple(_find_strength_caveats(study))
     return find_input_caveats(upper, lower, study, [float(load) for load in study.friction.load], alternatives)
 
 

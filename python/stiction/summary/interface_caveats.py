@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from stiction._number_format import format_with_unit
 from stiction.study.input_distributions import parse_study_input
@@ -25,14 +25,20 @@ _EQUAL_RANGES_REMEDY = "give the same range in both; if the bodies differ, give 
 
 
 def find_interface_caveats(
-    strength: InterfaceStrength | None, name: str, inputs: Inputs, pair_checksum: str = ""
+    strength: InterfaceStrength | None,
+    name: str,
+    inputs: Inputs,
+    pair_checksum: str = "",
+    caveats_of_missing_file: Mapping[str, str] | None = None,
 ) -> Iterator[Caveat]:
     """Yield the caveats about the interface of a pair with given inputs.
 
     `strength` is None if the file of the interface is missing or has changed. `name` is the name of the interface.
-    `pair_checksum` identifies the pair among the tested pairs.
+    `pair_checksum` identifies the pair among the tested pairs. `caveats_of_missing_file` contains the caveats that the
+    study stores for an interface file that was moved or deleted. Without the file, no input is shared with the tests.
     """
-    if strength is None:
+    texts = caveats_of_missing_file if strength is None else strength.about
+    if texts is None:
         yield Caveat(
             f"the file of interface {name} is missing or has changed, so its caveats are unknown",
             "restore the file, or run stiction pair again with the present file",
@@ -40,9 +46,10 @@ def find_interface_caveats(
         )
         return
     for entry, severity in SEVERITIES_OF_HEADER_ENTRIES.items():
-        if text := strength.about.get(entry):
+        if text := texts.get(entry):
             yield Caveat(f"interface {name}: {text}", "correct the tests, and run stiction calibrate again", severity)
-    yield from find_range_caveats(strength, inputs, pair_checksum)
+    if strength is not None:
+        yield from find_range_caveats(strength, inputs, pair_checksum)
 
 
 def find_range_caveats(strength: InterfaceStrength, inputs: Inputs, pair_checksum: str) -> Iterator[Caveat]:

@@ -47,7 +47,7 @@ from stiction.mechanics import friction
 from stiction.mechanics.brackets import friction_range_for_finer_scans
 from stiction.mechanics.model import PROFILE_WIDTH, SlidingRule
 from stiction.solve.alternative_preparations import ALTERNATIVE_CONDITIONS, AlternativeName
-from stiction.study.inputs import Inputs, find_interface
+from stiction.study.inputs import Inputs
 from stiction.summary.assessment import (
     ASPERITY_CHECKS,
     FEW_CONTACTS_CHECK_NAMES,
@@ -727,8 +727,8 @@ def has_values_of_interface(study: Study, coordinates: Mapping[str, Any]) -> boo
 
 def are_strengths_separated(study: Study, coordinates: Mapping[str, Any]) -> bool:
     """Return whether mu0 and tau0 are known separately, and not only their sum mu0 + tau0 A/F from friction tests."""
-    interface = find_interface(study) if has_values_of_interface(study, coordinates) else None
-    return interface is None or interface.separated
+    interface = study.friction.interface if has_values_of_interface(study, coordinates) else None
+    return interface is None or interface.separated is not False
 
 
 def _get_point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, float]:
