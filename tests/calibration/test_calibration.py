@@ -604,6 +604,16 @@ def test_mean_area_per_load_of_opposing_contacts_that_grow_is_within_its_interva
     assert identified["at"]["area_per_load_per_GPa"] == pytest.approx(value)
 
 
+@pytest.mark.parametrize("sliding", ["all", "opposing"])
+def test_scatter_of_coefficients_does_not_change_the_areas_of_equal_tests(sliding: Any) -> None:
+    pair_result = compute_plastic_pair("slip-line")
+    tests = [FrictionTest(pair_result, "20 MPa", coefficient=y, uncertainty=0.05) for y in (0.12, 0.2, 0.28)]
+    interface = calibrate(tests, common=0.0, sliding=sliding)
+    assert interface.variation == pytest.approx(0.0, abs=1e-4)
+    assert not interface.separated
+    assert interface.fits[0].freedom == 2
+
+
 def test_samples_of_a_strong_interface_have_a_finite_area() -> None:
     tests = [FrictionTest(compute_plastic_pair("slip-line"), "20 MPa", coefficient=0.32, uncertainty=0.02)] * 2
     interface = calibrate(tests, common=0.0, sliding="opposing")

@@ -141,10 +141,11 @@ def calibrate(
     ):
         fits, problems = fits[::-1], problems[::-1]
     first_problem = problems[0]
-    is_separated = any(value is not None for value in known_strengths) or (
-        len(tests) > 2 and first_problem.area_per_load_variation >= MIN_AREA_VARIATION
-    )
     area_per_load_of_tests = fits[0].area_per_load_of_tests
+    variation = first_problem.compute_area_per_load_variation(area_per_load_of_tests)
+    is_separated = any(value is not None for value in known_strengths) or (
+        len(tests) > 2 and variation >= MIN_AREA_VARIATION
+    )
     mean_area_per_load = float(np.median(fits[0].area_per_load))
     if not math.isfinite(mean_area_per_load):
         mean_area_per_load = first_problem.average_over_tests(area_per_load_of_tests)
@@ -162,14 +163,7 @@ def calibrate(
         else {}
     )
     interface = Interface(
-        tuple(fits),
-        mean_area_per_load,
-        first_problem.area_per_load_variation,
-        is_separated,
-        advice,
-        tuple(test_points),
-        header_entries,
-        common,
+        tuple(fits), mean_area_per_load, variation, is_separated, advice, tuple(test_points), header_entries, common
     )
     interface = replace(interface, pair_faults=find_pair_faults(tests), exact_inputs=first_problem.exact_inputs)
     interface = interface.with_caveats(FAULTS_HEADER_ENTRY, [": ".join(fault) for fault in interface.pair_faults])

@@ -248,11 +248,10 @@ class CalibrationProblem:
         """Return the mean true area per load A/F (1/GPa) of the tests with sliding, weighted by 1/error²."""
         return float(np.average(area_per_load, weights=self._weights_of_tests))
 
-    @property
-    def area_per_load_variation(self) -> float:
-        """Relative standard deviation of the true area per load, A/F, over tests with sliding, weighted by 1/error²."""
-        mean = self.average_over_tests(self.area_per_load)
-        variance = np.average((self.area_per_load - mean) ** 2, weights=self._weights_of_tests)
+    def compute_area_per_load_variation(self, area_per_load: Floats) -> float:
+        """Return the relative standard deviation of A/F over tests with sliding, weighted by 1/error²."""
+        mean = self.average_over_tests(area_per_load)
+        variance = np.average((area_per_load - mean) ** 2, weights=self._weights_of_tests)
         return float(np.sqrt(variance) / mean)
 
     def _compute_deviation_between_runs(self, scores: Floats) -> Floats:
@@ -432,9 +431,14 @@ class CalibrationProblem:
         chi_squared = float((best_fit.residuals**2).sum() + (best_fit.scores**2).sum())
         num_slid = int(self.slid.sum())
         # If A/F is equal in all tests, mu0 and tau0 cannot be determined separately, but only one combination of both.
+        best_area_per_load = self._find_median_area_per_load(
+            self._compute_area_per_load_samples(
+                best_fit.scores[np.newaxis], np.array([best_fit.mu0]), np.array([best_fit.tau0])
+            )
+        )
         num_fitted = min(
             sum(value is None for value in self.fixed_strengths),
-            1 if self.area_per_load_variation < MIN_AREA_VARIATION else 2,
+            1 if self.compute_area_per_load_variation(best_area_per_load) < MIN_AREA_VARIATION else 2,
         )
         degrees_of_freedom = max(0, num_slid - num_fitted - max(0, len(self._offsets) - 1))
         probability = (

@@ -34,7 +34,7 @@ class Interface(InterfaceStrength):
     area_per_load : float, 1/GPa
         Median true area per load (A/F), averaged over the tests, at which mu0 + tau0 A/F is identified.
     variation : float
-        Standard deviation of A/F among the tests, divided by the mean.
+        Standard deviation of A/F among the tests that slid, divided by the mean; each test has the weight 1/error².
     separated : bool
         True if the tests determine mu0 and tau0 separately, rather than only the sum mu0 + tau0 A/F.
     advice, tests : tuple
