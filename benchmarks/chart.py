@@ -4,14 +4,7 @@ import re
 from pathlib import Path
 
 import matplotlib as mpl
-from matplotlib.figure import Figure
-from stiction.views.style import (
-    INCHES_PER_MILLIMETRE,
-    MATPLOTLIB_STYLE,
-    NOT_OPPOSING_CONTACT_COLOUR,
-    PAGE_WIDTH,
-    save_figure,
-)
+from stiction.views.style import MATPLOTLIB_STYLE, NOT_OPPOSING_CONTACT_COLOUR, PAGE_WIDTH, new_figure, save_figure
 
 DOCS_DIRECTORY = Path(__file__).resolve().parents[1] / "docs"
 
@@ -68,7 +61,7 @@ def draw_chart() -> None:
     with mpl.rc_context(MATPLOTLIB_STYLE):
         num_bars = sum(1 + len(group) for group in ratios_by_task.values())
         height = 3.2 * num_bars + 5.5 * len(ratios_by_task) + 11
-        figure = Figure(figsize=(PAGE_WIDTH, height * INCHES_PER_MILLIMETRE))
+        figure = new_figure(height, width=PAGE_WIDTH, layout=None)
         axes = figure.add_axes((0.2, 9 / height, 0.75, 1 - 10 / height))
         position, positions, names = 0.0, [], []
         for task, group in ratios_by_task.items():

@@ -12,15 +12,14 @@ from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.figure import Figure
 from scipy.ndimage import gaussian_filter, zoom
 from stiction import Surface, half_space, levelled
 from stiction.views.style import (
     ALL_CONTACTS_COLOUR,
     FORCE_COLOUR,
-    INCHES_PER_MILLIMETRE,
     MATPLOTLIB_STYLE,
     PAGE_WIDTH,
+    new_figure,
     save_figure,
 )
 
@@ -282,7 +281,7 @@ def combine_variant_intervals(curves_by_kind):
 
 def draw_closure_and_stiffness(results):
     with mpl.rc_context(MATPLOTLIB_STYLE):
-        figure = Figure(figsize=(PAGE_WIDTH, 100 * INCHES_PER_MILLIMETRE), layout="constrained")
+        figure = new_figure(100, width=PAGE_WIDTH)
         axes = figure.subplots(2, len(results), sharex=True, sharey="row", squeeze=False)
         for (closure_axes, stiffness_axes), (
             name,

@@ -8,17 +8,10 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 from claims import ResampledMeans
-from matplotlib.figure import Figure
 from stiction import Study, run
 from stiction.evaluate.intervals import PowerSums
 from stiction.mechanics.friction import FrictionLaw
-from stiction.views.style import (
-    INCHES_PER_MILLIMETRE,
-    MATPLOTLIB_STYLE,
-    PAGE_WIDTH,
-    fractal_dimension_colours,
-    save_figure,
-)
+from stiction.views.style import MATPLOTLIB_STYLE, PAGE_WIDTH, fractal_dimension_colours, new_figure, save_figure
 
 DOCS_DIRECTORY = Path(__file__).parents[1]
 POINT_COUNTS = (37_500, 75_000, 150_000, 300_000, 600_000)
@@ -120,7 +113,7 @@ def draw_figure() -> None:
     results = {
         contact_detection: compute_grid_results(contact_detection) for contact_detection in ("cell", "gap-minimum")
     }
-    figure = Figure(figsize=(PAGE_WIDTH, 115 * INCHES_PER_MILLIMETRE), layout="constrained")
+    figure = new_figure(115, width=PAGE_WIDTH)
     axes = figure.subplots(2, 3, sharex=True)
     lines = [
         "| D | detection | load (mN), 37 500 points | load (mN), 150 000 points | load (mN), 600 000 points "

@@ -12,15 +12,14 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 import pandas
-from matplotlib.figure import Figure
 from scipy.optimize import least_squares
 from scipy.special import erf
 from stiction.views.style import (
     ALL_CONTACTS_COLOUR,
     FORCE_COLOUR,
-    INCHES_PER_MILLIMETRE,
     MATPLOTLIB_STYLE,
     PAGE_WIDTH,
+    new_figure,
     save_figure,
 )
 
@@ -49,7 +48,7 @@ def main(tests_file):
     table = pandas.read_csv(tests_file)
     table = table[table["load (mN)"] <= MAX_LOAD].sort_values("load (mN)")
     with mpl.rc_context(MATPLOTLIB_STYLE):
-        figure = Figure(figsize=(PAGE_WIDTH, 66 * INCHES_PER_MILLIMETRE), layout="constrained")
+        figure = new_figure(66, width=PAGE_WIDTH)
         force_axes, coefficient_axes = figure.subplots(1, 2)
         for (name, tests), colour in zip(table.groupby("silicone"), (ALL_CONTACTS_COLOUR, FORCE_COLOUR), strict=True):
             load, coefficient = tests["load (mN)"].to_numpy(float), tests["coefficient"].to_numpy()

@@ -479,6 +479,10 @@ def test_force_arrows_stay_inside_the_frame_of_the_contact_figure(create_circula
     save_figure(contact_forces_figure(forces), tmp_path / "contact.png")
 
 
+def test_size_of_a_new_figure_is_in_millimetres():
+    np.testing.assert_allclose(25.4 * style.new_figure(50, width=100).get_size_inches(), [100, 50])
+
+
 def test_inline_svg_conversion_draws_a_constrained_layout_figure_only_once(monkeypatch):
     draw, num_draws = Figure.draw, 0
 

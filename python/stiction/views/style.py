@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INCHES_PER_MILLIMETRE = 1 / 25.4
-# The smallest text of a figure that fits into one column has 6 pt.
-COLUMN_WIDTH = 80 * INCHES_PER_MILLIMETRE
-PAGE_WIDTH = 170 * INCHES_PER_MILLIMETRE
+# Widths in mm. The smallest text of a figure that fits into one column has 6 pt.
+COLUMN_WIDTH = 80.0
+PAGE_WIDTH = 170.0
 MIN_LENGTH_IN_MILLIMETRES = 1000.0  # µm
 MAX_LITERAL_TEXT_LENGTH = 300  # characters
 
@@ -90,10 +90,10 @@ _AXIS_LABELS = {
 
 
 def new_figure(height: float, *, width: float = COLUMN_WIDTH, layout: Any = "constrained") -> Figure:
-    """Return an empty figure with a given height (mm) and width (inches)."""
+    """Return an empty figure with a given height and width (mm)."""
     from matplotlib.figure import Figure
 
-    return Figure(figsize=(width, height * INCHES_PER_MILLIMETRE), layout=layout)
+    return Figure(figsize=(width * INCHES_PER_MILLIMETRE, height * INCHES_PER_MILLIMETRE), layout=layout)
 
 
 def place_axes(figure: Figure) -> None:

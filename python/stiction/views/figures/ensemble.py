@@ -96,7 +96,7 @@ def create_figure_with_axes_rows(
 
     def add_axes_at(left: float, row: int, width: float) -> Axes:
         bottom = margin_below + (rows - 1 - row) * (height + between)
-        return figure.add_axes((left / 170, bottom / total_height, width / 170, height / total_height))
+        return figure.add_axes((left / PAGE_WIDTH, bottom / total_height, width / PAGE_WIDTH, height / total_height))
 
     return figure, total_height, add_axes_at
 
