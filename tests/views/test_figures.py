@@ -11,6 +11,7 @@ import xarray
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imread
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patches import PathPatch
 from stiction import Profile, Result, Surface, pair
 from stiction._text import printable_text
@@ -477,6 +478,23 @@ def test_force_arrows_stay_inside_the_frame_of_the_contact_figure(create_circula
     flat_profile = Profile(np.zeros(200), spacing=0.01)
     forces = build_contact_forces(flat_profile, flat_profile, 0.0, mu0=0.3)
     save_figure(contact_forces_figure(forces), tmp_path / "contact.png")
+
+
+@pytest.mark.parametrize("formats", [("png",), ("pdf", "svg"), FIGURE_FORMATS], ids=str)
+def test_figure_files_of_several_formats_share_one_layout(monkeypatch, formats):
+    execute, num_layouts = ConstrainedLayoutEngine.execute, 0
+
+    def count_layouts(engine, figure):
+        nonlocal num_layouts
+        num_layouts += 1
+        return execute(engine, figure)
+
+    monkeypatch.setattr(ConstrainedLayoutEngine, "execute", count_layouts)
+    figure = style.new_figure(40)
+    figure.subplots().set(xlabel="x", ylabel="y")
+    for file_format in formats:
+        assert style.render_figure(figure, file_format)
+    assert num_layouts == 1
 
 
 def test_size_of_a_new_figure_is_in_millimetres():

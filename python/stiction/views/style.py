@@ -99,9 +99,10 @@ def new_figure(height: float, *, width: float = COLUMN_WIDTH, layout: Any = "con
 def place_axes(figure: Figure) -> None:
     """Place the axes of a figure with its layout engine, and remove the engine from the figure.
 
-    With an engine, even the placeholder "none", `savefig` would draw the figure twice.
+    Every drawing of a figure repeats the layout of an engine. With an engine, even the placeholder "none", `savefig`
+    would also draw the figure twice.
     """
-    if (layout_engine := figure.get_layout_engine()) is not None:
+    if figure.axes and (layout_engine := figure.get_layout_engine()) is not None:
         layout_engine.execute(figure)
         figure.set_layout_engine(None)
 
@@ -198,6 +199,7 @@ def render_figure(figure: Figure, file_format: str) -> bytes:
         "svg": {"Title": producer, "Date": None},
     }
     with mpl.rc_context(MATPLOTLIB_STYLE):
+        place_axes(figure)
         if file_format == "png":
             write_png(figure, content, dpi=figure.dpi, metadata=metadata[file_format])
         else:
