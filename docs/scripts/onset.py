@@ -15,6 +15,7 @@ from scipy.ndimage import uniform_filter
 from scipy.sparse.linalg import LinearOperator, cg
 from scipy.stats import t as student
 from stiction import Study, Surface, half_space, press, run, self_affine_surface
+from stiction._drawing import map_extent
 from stiction._estimate import Estimate
 
 DOCS_DIRECTORY = Path(__file__).parents[1]
@@ -325,7 +326,7 @@ def draw_figure() -> None:
     image = map_axes.imshow(
         slip_fraction[row : row + window_size, column : column + window_size], origin="lower",
         vmin=0, vmax=1, cmap="viridis", interpolation="nearest",
-        extent=(0, window_size * length / n, 0, window_size * length / n),
+        extent=map_extent((window_size, window_size), (length / n, length / n)),
     )  # fmt: skip
     colour_bar = figure.colorbar(image, ax=map_axes)
     colour_bar.set_label("slips at $T/T_s$", size=7)

@@ -35,7 +35,7 @@ def draw_profile(ax: Axes, x: Floats, heights: Floats) -> Axes:
 
 
 def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axes:
-    """Draw a height map as an image with the y axis upwards and one pixel per grid point."""
+    """Draw a height map as an image with the y axis upwards. Each pixel is centred on a grid point."""
     heights, unit = to_readable_height_unit(heights)
     image = ax.imshow(heights, extent=map_extent(heights.shape, spacing), origin="lower", cmap=HEIGHT_COLOUR_MAP)
     add_colour_bar(ax, image, f"height ({unit})")
@@ -82,7 +82,7 @@ def draw_scan_comparison(ax: Axes, comparison: Any) -> Axes:
 def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any) -> None:
     """Draw a scale bar of round length in the lower right corner of a map.
 
-    `box` contains the map's sides (µm).
+    `box` contains the edges of the map's image (µm).
     """
     from matplotlib.patheffects import withStroke
 
@@ -99,9 +99,18 @@ def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any
     ax.text(x + length / 2, y + 0.015 * (top - bottom), length_text, **style)
 
 
-def map_extent(shape: tuple[int, ...], spacing: tuple[float, ...]) -> tuple[float, float, float, float]:
-    """Return the edges (left, right, bottom, top; µm) of the image of a map: 0 and the side length along each axis."""
-    return 0.0, shape[1] * spacing[1], 0.0, shape[0] * spacing[0]
+def map_extent(
+    shape: tuple[int, ...], spacing: tuple[float, ...], first_point: tuple[float, float] = (0.0, 0.0)
+) -> tuple[float, float, float, float]:
+    """Return the edges (left, right, bottom, top; µm) of an image whose pixels are centred on the points of a map.
+
+    `first_point` contains the coordinates y and x (µm) of the first grid point.
+    """
+    (bottom, top), (left, right) = (
+        (start - 0.5 * step, start + (count - 0.5) * step)
+        for count, step, start in zip(shape, spacing, first_point, strict=True)
+    )
+    return left, right, bottom, top
 
 
 def wave_number_to_wavelength(wave_number: Any) -> Any:

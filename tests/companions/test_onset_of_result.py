@@ -38,6 +38,7 @@ from stiction.views.layout import format_paragraph
 from stiction.views.onset import onset_paragraph, onset_record, onset_rows, onset_text
 from stiction.views.report import report_page
 from support.command import disable_drawing
+from support.images import find_pixel_centres
 from support.rough_surfaces import rough_maps
 from support.studies_of_files import create_study_from_files, pair_study, write_maps, write_profiles
 
@@ -177,9 +178,12 @@ def test_figures_and_report_show_slip_map(study, onset, tmp_path):
     result = open_result(tmp_path)
     assert {"onset", "slip"} <= set(result.figures())
     figure = result.figure("slip")
-    full_image, detail_image = (axes.images[-1].get_array() for axes in figure.axes[:2])
-    assert np.ma.count(full_image) == np.isfinite(onset["slip"]).sum()
-    assert np.ma.count(detail_image) > 0
+    full_image, detail_image = (axes.images[-1] for axes in figure.axes[:2])
+    assert np.ma.count(full_image.get_array()) == np.isfinite(onset["slip"]).sum()
+    assert np.ma.count(detail_image.get_array()) > 0
+    # Pixels are centred on grid points.
+    for centres, name in zip(find_pixel_centres(full_image), ("slip_x", "slip_y"), strict=True):
+        np.testing.assert_allclose(centres, onset[name], atol=1e-12)
     page = report_page(open_stored_result(tmp_path))
     for heading in ("Onset of sliding", "Order of slip", "light points slip first"):
         assert heading in page

@@ -28,6 +28,7 @@ from stiction.summary.figure_values import (
     evaluate_area_over_load,
     evaluate_friction_over_dimension,
     find_opposing_contacts,
+    generate_bodies_by_length_scale,
 )
 from stiction.summary.report_data import collect_report_data
 from stiction.summary.summary import UncertaintyBudgetEntry, summarize
@@ -43,15 +44,18 @@ from stiction.views.figures.ensemble import (
     _fade_colours,
     area_figure,
     friction_figure,
+    length_scales_figure,
 )
 from stiction.views.figures.loads import cut_off_figure, format_log_axis
 from stiction.views.figures.onset import _densest_contact_window
+from stiction.views.figures.roughness import characterisation_figure
 from stiction.views.figures.standard import select_figures
 from stiction.views.report import report_page
 from stiction.views.report.pictures import inline_svg, list_panels
 from stiction.views.rows import summary_json, summary_table
 from stiction.views.style import FIGURE_FORMATS, SLIDING_RULE_LABELS, literal_text, save_figure, spread_label_positions
 from support.generated_studies import SMALL_STUDY, empty_dataset
+from support.images import find_pixel_centres
 from support.report_numbers import ReportEvaluator
 from support.studies_of_files import run_pair_of_maps
 from support.synthetic_results import measured_result, measured_study
@@ -443,6 +447,35 @@ def test_contact_map_draws_every_contact(maps_at_two_cutoffs, profiles_dataset):
     lower_limit, upper_limit = zoomed_axes.get_xlim()
     assert lower_limit <= position_of_largest_force <= upper_limit
     assert upper_limit - lower_limit < np.ptp(full_axes.get_xlim())
+
+
+def test_pixels_of_maps_are_centred_on_grid_points(maps_at_two_cutoffs):
+    picture = contact_picture(maps_at_two_cutoffs)
+    (contact_axes,) = contact_map_figure(picture).axes
+    full_axes, zoom_axes = contacts_and_pressure_figure(picture).axes[:2]
+    surface = Surface(np.arange(12.0).reshape(3, 4), spacing=(0.5, 2.0))
+    lower = read_measured_bodies(Result.of(maps_at_two_cutoffs).study).member(0, 0.0).pair[1]
+    lower_image = next(image for ax in characterisation_figure(lower).axes for image in ax.images)
+    lower_y, lower_x = (step * np.arange(size) for step, size in zip(lower.spacing, lower.heights.shape, strict=True))
+    for image, x, y in (
+        *((image, picture["height_x"], picture["height_y"]) for image in (*contact_axes.images, *full_axes.images)),
+        *((image, picture["zoom_x"], picture["zoom_y"]) for image in zoom_axes.images),
+        (surface.plot(Figure().subplots()).images[0], [0.0, 2.0, 4.0, 6.0], [0.0, 0.5, 1.0]),
+        (lower_image, lower_x, lower_y),
+    ):
+        for centres, positions in zip(find_pixel_centres(image), (x, y), strict=True):
+            np.testing.assert_allclose(centres, positions, atol=1e-12)
+
+
+def test_length_scales_figure_shows_whole_pixels_centred_on_grid_points():
+    study = SMALL_STUDY.with_changes({"surfaces.points": 64})
+    axes = length_scales_figure(generate_bodies_by_length_scale(study)).axes
+    images = [(ax, image) for ax in axes for image in ax.images]
+    assert len(images) == 3
+    for ax, image in images:
+        spacing = float(study.surfaces.extent) / 64
+        np.testing.assert_allclose(find_pixel_centres(image)[0], spacing * np.arange(64), atol=1e-12)
+        assert ax.get_xlim() == tuple(image.get_extent()[:2])
 
 
 def test_labels_of_the_budget_figure_lie_inside_the_figure_and_start_without_article():

@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction._drawing import HEIGHT_COLOUR_MAP, PRESSURE_COLOUR_MAP, add_scale_bar
+from stiction._drawing import HEIGHT_COLOUR_MAP, PRESSURE_COLOUR_MAP, add_scale_bar, map_extent
 from stiction._number_format import format_with_unit
 from stiction.summary.figure_values import find_opposing_contacts
 from stiction.views.style import (
@@ -254,7 +254,7 @@ def contacts_and_pressure_figure(
 def draw_height_map(figure: Figure, axes: Axes, heights: Floats, box: tuple[float, float, float, float]) -> None:
     """Draw the heights of the lower body in grey, with a colour bar.
 
-    `box` contains the sides of the map (µm).
+    `box` contains the edges of the image (µm).
     """
     in_nanometres = np.ptp(heights) < _MAX_HEIGHT_RANGE_IN_NANOMETRES
     scaled_heights = heights * (1000 if in_nanometres else 1)
@@ -270,7 +270,7 @@ def draw_height_map(figure: Figure, axes: Axes, heights: Floats, box: tuple[floa
 def label_map_axes(axes: Axes, box: tuple[float, float, float, float]) -> None:
     """Label the axes of a map in µm, or in mm for large maps.
 
-    `box` contains the sides of the map (µm).
+    `box` contains the edges of the image (µm).
     """
     left, right, bottom, top = box
     in_millimetres = max(right - left, top - bottom) >= MIN_LENGTH_IN_MILLIMETRES
@@ -288,12 +288,9 @@ def draw_zoom_border(axes: Axes, box: tuple[float, float, float, float]) -> None
 
 
 def picture_extent(picture: xarray.Dataset, name: str) -> tuple[float, float, float, float]:
-    """Return the coordinates (µm) of the sides of a map: left, right, bottom, top."""
-    extent: list[float] = []
-    for axis in ("x", "y"):
-        cell_edges = picture[f"{name}_{axis}"].values
-        extent += [float(cell_edges[0]), float(2 * cell_edges[-1] - cell_edges[-2])]
-    return extent[0], extent[1], extent[2], extent[3]
+    """Return the edges (left, right, bottom, top; µm) of the image of a map, from the coordinates of its points."""
+    y, x = (picture[f"{name}_{axis}"].values for axis in "yx")
+    return map_extent((y.size, x.size), (float(y[1] - y[0]), float(x[1] - x[0])), (float(y[0]), float(x[0])))
 
 
 def _draw_pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, hardness: float | None) -> None:

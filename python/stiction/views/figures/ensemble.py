@@ -19,7 +19,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from stiction._checks import Floats
-from stiction._drawing import HEIGHT_COLOUR_MAP, set_log_tick_labels
+from stiction._drawing import HEIGHT_COLOUR_MAP, map_extent, set_log_tick_labels
 from stiction._number_format import format_with_unit
 from stiction.evaluate.point import MEAN_AND_LIMITS
 from stiction.mechanics.friction import STATUS_OK, STATUS_SELF_LOCKED
@@ -473,21 +473,20 @@ def profiles_figure(profiles: Mapping[float, Profile], study: Study) -> Figure:
     return figure
 
 
-def length_scales_figure(bodies: Mapping[float, tuple[Profile, Surface]], study: Study) -> Figure:
+def length_scales_figure(bodies: Mapping[float, tuple[Profile, Surface]]) -> Figure:
     """Draw unscaled profiles and surfaces, one of each per length scale.
 
     `bodies` comes from `generate_bodies_by_length_scale`.
     """
-    surfaces: Any = study.surfaces
-    extent = float(surfaces.extent)
     figure = new_figure(66)
     axes = figure.subplots(2, len(bodies), height_ratios=[1, 1.2], sharex=True)
     for column, (length_scale, (profile, surface)) in enumerate(bodies.items()):
         profile_axes, surface_axes = axes[:, column]
         profile_axes.plot(profile.x, profile.heights - profile.heights.mean(), color="0.2", linewidth=0.4)
-        profile_axes.set(title=f"$L$ = {length_scale:.3g} µm", xlim=(0, extent))
         heights = surface.heights - surface.heights.mean()
-        image = surface_axes.imshow(heights, extent=(0, extent, 0, extent), origin="lower", cmap=HEIGHT_COLOUR_MAP)
+        edges = map_extent(heights.shape, surface.spacing)
+        profile_axes.set(title=f"$L$ = {length_scale:.3g} µm", xlim=edges[:2])
+        image = surface_axes.imshow(heights, extent=edges, origin="lower", cmap=HEIGHT_COLOUR_MAP)
         colour_bar = figure.colorbar(image, ax=surface_axes, location="bottom", pad=0.02)
         colour_bar.locator = MaxNLocator(3)
         colour_bar.set_label(axis_label("height"))

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from stiction._checks import Floats
-from stiction._drawing import HEIGHT_COLOUR_MAP, wave_number_to_wavelength
+from stiction._drawing import HEIGHT_COLOUR_MAP, map_extent, wave_number_to_wavelength
 from stiction._number_format import choose_prefixed_unit
 from stiction.summary.characterisation import Characterisation
 from stiction.surfaces.lines import LineRoughness
@@ -155,12 +155,13 @@ def _draw_height_map(figure: Any, axes: Axes, surface: Surface) -> None:
     unit, unit_length = ("mm", 1e3) if max(surface.extent) >= MIN_LENGTH_IN_MILLIMETRES else ("µm", 1.0)
     height_factor, height_unit = choose_prefixed_unit(float(np.ptp(surface.heights)), "um")
     heights = (surface.heights - surface.heights.mean()) / height_factor
-    length_y, length_x = (length / unit_length for length in surface.extent)
+    left, right, bottom, top = (edge / unit_length for edge in map_extent(surface.heights.shape, surface.spacing))
+    aspect_ratio = (right - left) / (top - bottom)
     # The colour scale ends at quantiles of the heights, because single dust grains would otherwise determine its range.
     lowest_height, highest_height = np.quantile(heights, [0.001, 0.999])
     image = axes.imshow(
-        heights, extent=(0, length_x, 0, length_y), origin="lower", cmap=HEIGHT_COLOUR_MAP, vmin=lowest_height,
-        vmax=highest_height, aspect="equal" if 1 / 4 < length_x / length_y < 4 else "auto",
+        heights, extent=(left, right, bottom, top), origin="lower", cmap=HEIGHT_COLOUR_MAP, vmin=lowest_height,
+        vmax=highest_height, aspect="equal" if 1 / 4 < aspect_ratio < 4 else "auto",
     )  # fmt: skip
     colour_bar = figure.colorbar(image, ax=axes, location="top", extend="both", aspect=30, pad=0.02)
     colour_bar.locator = MaxNLocator(5)

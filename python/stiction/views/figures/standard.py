@@ -144,7 +144,7 @@ def _generated_surface_figures(result: Evaluation, study: Study) -> Iterator[tup
             case "profiles":
                 yield "profiles", lambda: profiles_figure(generate_profiles(study), study)
             case "length-scales":
-                yield "length_scales", lambda: length_scales_figure(generate_bodies_by_length_scale(study), study)
+                yield "length_scales", lambda: length_scales_figure(generate_bodies_by_length_scale(study))
             case "friction":
                 for suffix, motion_result in iterate_motions(result):
                     evaluate_once = cache(partial(evaluate_friction_over_dimension, motion_result, study.friction.mu0))
