@@ -46,7 +46,7 @@ from stiction.views.figures.ensemble import (
     friction_figure,
     length_scales_figure,
 )
-from stiction.views.figures.loads import cut_off_figure, format_log_axis
+from stiction.views.figures.loads import closure_figure, cut_off_figure, format_log_axis, friction_by_load_figure
 from stiction.views.figures.onset import _densest_contact_window
 from stiction.views.figures.roughness import characterisation_figure
 from stiction.views.figures.standard import select_figures
@@ -113,6 +113,16 @@ def test_closure_figure_names_the_kind_of_interval_that_the_json_record_names(ma
     assert kinds == {"combined"}
     figure = dict(select_figures(maps_at_two_cutoffs))["closure"]()
     assert figure.get_suptitle().endswith("bands: 95 %, combined intervals")
+
+
+def test_figures_state_that_combined_intervals_include_errors_of_the_scans(maps_at_two_cutoffs):
+    points = Result.of(maps_at_two_cutoffs).at_report_loads.isel(cut_off=0, mu0=0, tau0=0)
+    points = points.assign_attrs(alternatives=["tip"])
+    combined_text = "95 %, combined intervals with errors of the scans"
+    assert closure_figure(points).get_suptitle() == f"bands: {combined_text}"
+    assert friction_by_load_figure(points).legends[0].get_title().get_text().splitlines() == [
+        f"light bands and area: {combined_text}", "dark bands: 95 %, intervals of the mean"
+    ]  # fmt: skip
 
 
 def test_figures_and_table_and_json_and_report_contain_equal_combined_intervals(maps_at_two_cutoffs):

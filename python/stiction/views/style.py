@@ -18,6 +18,7 @@ from stiction._text import printable_text
 from stiction.mechanics.quantities import QUANTITIES
 
 if TYPE_CHECKING:
+    import xarray
     from matplotlib.figure import Figure
 
 INCHES_PER_MILLIMETRE = 1 / 25.4
@@ -140,6 +141,17 @@ def friction_parameters_text(mu0: float, tau0: float, effective_modulus: float |
     """Return E*, mu0 and tau0 (GPa) as text for the heading of a figure."""
     modulus = "" if effective_modulus is None else rf"$E^*$ = {effective_modulus:.4g} GPa, "
     return rf"{modulus}$\mu_0$ = {mu0:g}, $\tau_0$ = {1000 * tau0:.9g} MPa"
+
+
+def interval_bands_text(points: xarray.Dataset, *, combined: bool = False, bands: str = "bands") -> str:
+    """Return the text that explains the bands of 95 % intervals in a figure of `points`.
+
+    `combined` is true for combined intervals, and false for intervals of the mean.
+    """
+    if not combined:
+        return f"{bands}: 95 %, intervals of the mean"
+    scans_text = " with errors of the scans" if points.attrs.get("alternatives") else ""
+    return f"{bands}: 95 %, combined intervals{scans_text}"
 
 
 def spread_label_positions(label_positions: ArrayLike, min_distance: float) -> Floats:

@@ -19,6 +19,7 @@ from stiction.views.style import (
     axis_label,
     fractal_dimension_colours,
     friction_parameters_text,
+    interval_bands_text,
     new_figure,
 )
 
@@ -83,7 +84,7 @@ def friction_by_direction_figure(points: xarray.Dataset, *, title: str = "") -> 
         *axes.get_legend_handles_labels(),
         loc="outside lower center",
         ncols=1,
-        title="angle: motion of the upper body\nbands: 95 %, intervals of the mean",
+        title=f"angle: motion of the upper body\n{interval_bands_text(points)}",
     )
     return figure
 
@@ -171,7 +172,7 @@ def friction_by_position_figure(point: xarray.Dataset, *, title: str = "") -> Fi
     figure.suptitle(f"{title}\n{caption}".strip(), fontsize=6)
     num_missing = int(np.isnan(member_friction.values).reshape(member_friction.shape[0], -1).any(axis=-1).sum())
     note = f"; {num_missing} of {member_friction.shape[0]} results are incomplete" if num_missing else ""
-    legend_title = f"lines: means; bands: 95 %, intervals of the mean{note}"
+    legend_title = f"lines: means; {interval_bands_text(point)}{note}"
     figure.legend(*axes.get_legend_handles_labels(), title=legend_title, loc="outside lower center", ncols=2)
     return figure
 

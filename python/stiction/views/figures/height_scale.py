@@ -8,14 +8,15 @@ from matplotlib.figure import Figure
 
 from stiction._drawing import set_log_tick_labels
 from stiction._number_format import format_with_unit
-from stiction.evaluate.point import MEAN_AND_LIMITS, is_unloaded, select_sliding_rule
-from stiction.views.figures.loads import format_log_axis
+from stiction.evaluate.point import is_unloaded, select_sliding_rule
+from stiction.views.figures.loads import draw_curve_with_band, format_log_axis
 from stiction.views.style import (
     AREA_COLOUR,
     SLIDING_RULE_COLOURS,
     SLIDING_RULE_LABELS,
     axis_label,
     friction_parameters_text,
+    interval_bands_text,
     new_figure,
 )
 
@@ -32,33 +33,20 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     height_factors = np.asarray(points["height_scale"].values, dtype=np.float64)
     rms_gradient = points["rms_gradient"].sel(statistic="mean").values
     measured_gradient = np.interp(1.0, height_factors, rms_gradient)
-    has_load = np.array([not is_unloaded(points.isel(height_scale=index)) for index in range(height_factors.size)])
+    has_load = xarray.DataArray(
+        [not is_unloaded(points.isel(height_scale=index)) for index in range(height_factors.size)], dims="height_scale"
+    )
     figure = new_figure(114)
     friction_axes, area_axes = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
     for rule in np.atleast_1d(points["sliding"].values).tolist():
-        combined_friction = select_sliding_rule(points["friction_combined"], rule)
-        mean, lower_limits, upper_limits = (
-            combined_friction.sel(statistic=statistic).where(has_load).values for statistic in MEAN_AND_LIMITS
-        )
-        friction_axes.fill_between(
-            rms_gradient, lower_limits, upper_limits, color=SLIDING_RULE_COLOURS[rule], alpha=0.2, linewidth=0
-        )
-        friction_axes.plot(
-            rms_gradient,
-            mean,
-            "o-",
-            color=SLIDING_RULE_COLOURS[rule],
-            linewidth=1,
-            markersize=2,
-            label=SLIDING_RULE_LABELS[rule],
-        )
+        combined_friction = select_sliding_rule(points["friction_combined"], rule).where(has_load)
+        colour, label = SLIDING_RULE_COLOURS[rule], SLIDING_RULE_LABELS[rule]
+        draw_curve_with_band(friction_axes, rms_gradient, combined_friction, colour, label=label)
     has_fraction = "contact_area_fraction" in points
     area = 100 * points["contact_area_fraction"] if has_fraction else points["contact_area"]
-    mean, lower_limits, upper_limits = (area.sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS)
-    area_axes.fill_between(rms_gradient, lower_limits, upper_limits, color=AREA_COLOUR, alpha=0.2, linewidth=0)
-    area_axes.plot(rms_gradient, mean, "o-", color=AREA_COLOUR, linewidth=1, markersize=2)
+    mean_area = draw_curve_with_band(area_axes, rms_gradient, area, AREA_COLOUR)
     area_axes.set_xscale("log")
-    if (mean > 0).any():
+    if (mean_area > 0).any():
         area_axes.set_yscale("log")
     for axes in (friction_axes, area_axes):
         axes.axvline(measured_gradient, color="0.5", linewidth=0.5, linestyle="--")
@@ -86,5 +74,6 @@ def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
         f"{title}\n{parameters}, $F_N$ = {format_with_unit(float(points['load']), 'mN')}".strip(), fontsize=6
     )
     handles = friction_axes.get_legend_handles_labels()
-    figure.legend(*handles, title="bands: 95 %, combined; dashed: as measured", loc="outside lower center", ncols=2)
+    legend_title = f"{interval_bands_text(points, combined=True)}; dashed: as measured"
+    figure.legend(*handles, title=legend_title, loc="outside lower center", ncols=2)
     return figure

@@ -28,6 +28,7 @@ from stiction.views.style import (
     axis_label,
     direction_text,
     friction_parameters_text,
+    interval_bands_text,
     new_figure,
 )
 
@@ -38,12 +39,6 @@ MAX_DRAWN_DIRECTIONS = 2
 
 MAX_PLAIN_LABEL_RATIO = 2e3
 """Maximum ratio of the limits of a logarithmic axis with plain numbers as labels."""
-
-INTERVAL_BAND_LEGENDS = {
-    True: "light bands and area: 95 %, combined intervals\ndark bands: 95 %, intervals of the mean",
-    False: "bands: 95 %, intervals of the mean",
-}
-"""Texts that explain interval bands in a legend, for results with (True) and without (False) combined intervals."""
 
 
 def friction_by_load_figure(points: xarray.Dataset, study_loads: Sequence[float] = (), *, title: str = "") -> Figure:
@@ -73,16 +68,12 @@ def closure_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
     figure = new_figure(100)
     for ax, name in zip(figure.subplots(2, 1, sharex=True), ("closure", "closure_stiffness"), strict=True):
         x = pressure_per_load * np.asarray(points["load"].values, dtype=np.float64)
-        mean, lower_limits, upper_limits = (
-            points[name].sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS
-        )
-        ax.fill_between(x, lower_limits, upper_limits, color=AREA_COLOUR, alpha=0.2, linewidth=0)
-        ax.plot(x, mean, "o-", color=AREA_COLOUR, linewidth=1, markersize=2)
+        draw_curve_with_band(ax, x, points[name], AREA_COLOUR)
         ax.set(ylabel=axis_label(name), ylim=(0, None))
     figure.axes[1].set(xlabel=axis_label("nominal_pressure"), xlim=(0, None))
-    kind = find_interval_kind("closure", points["closure"].attrs)
-    intervals_label = "bands: 95 %, combined intervals" if kind == "combined" else INTERVAL_BAND_LEGENDS[False]
-    bands_label = intervals_label if np.isfinite(lower_limits).any() else ""
+    is_combined = find_interval_kind("closure", points["closure"].attrs) == "combined"
+    has_bands = bool(np.isfinite(points["closure_stiffness"].sel(statistic="lower")).any())
+    bands_label = interval_bands_text(points, combined=is_combined) if has_bands else ""
     figure.suptitle("\n".join(filter(None, (title, bands_label))), fontsize=6)
     return figure
 
@@ -215,26 +206,20 @@ def _friction_and_area_figure(
     has_combined = "friction_combined" in points
     for rule in _list_sliding_rules(points):
         dataset, colour = select_sliding_rule(points, rule), SLIDING_RULE_COLOURS[rule]
-        mean, lower_limits, upper_limits = (
-            dataset["mean_friction"].sel(statistic=name).values for name in MEAN_AND_LIMITS
-        )
-        friction_axes.fill_between(x, lower_limits, upper_limits, color=colour, alpha=0.2, linewidth=0)
+        draw_curve_with_band(friction_axes, x, dataset["mean_friction"], colour, label=SLIDING_RULE_LABELS[rule])
         if has_combined:
             lower_limits, upper_limits = (
                 dataset["friction_combined"].sel(statistic=name).values for name in MEAN_AND_LIMITS[1:]
             )
             friction_axes.fill_between(x, lower_limits, upper_limits, color=colour, alpha=0.2, linewidth=0)
-        friction_axes.plot(x, mean, "o-", color=colour, linewidth=1, markersize=2, label=SLIDING_RULE_LABELS[rule])
         _draw_single_directions(friction_axes, dataset, x, colour)
     _mark_points_with_missing_coefficients(friction_axes, points, dimension, x)
     has_fraction = "contact_area_fraction" in points
     area = 100 * points["contact_area_fraction"] if has_fraction else points["contact_area"]
-    mean, lower_limits, upper_limits = (area.sel(statistic=name).values for name in MEAN_AND_LIMITS)
-    area_axes.fill_between(x, lower_limits, upper_limits, color=AREA_COLOUR, alpha=0.2, linewidth=0)
-    area_axes.plot(x, mean, "o-", color=AREA_COLOUR, linewidth=1, markersize=2)
+    mean_area = draw_curve_with_band(area_axes, x, area, AREA_COLOUR)
     for ax in (friction_axes, area_axes):
         ax.set_xscale("log")
-    if (mean > 0).any():
+    if (mean_area > 0).any():
         area_axes.set_yscale("log")
     highest_mean = max(
         line.get_ydata().max(initial=0.0, where=np.isfinite(line.get_ydata())) for line in friction_axes.lines
@@ -260,12 +245,23 @@ def _friction_and_area_figure(
     modulus = float(points["effective_modulus"]) if "effective_modulus" in points.coords else None
     parameters = friction_parameters_text(float(points["mu0"]), float(points["tau0"]), modulus)
     figure.suptitle(f"{title}\n{parameters}".strip(), fontsize=6)
-    bands_label = INTERVAL_BAND_LEGENDS[has_combined]
-    if has_combined and points.attrs.get("alternatives"):
-        bands_label = bands_label.replace("combined intervals", "combined intervals with errors of the scans")
+    bands_label = (
+        f"{interval_bands_text(points, combined=True, bands='light bands and area')}\n"
+        f"{interval_bands_text(points, bands='dark bands')}"
+        if has_combined
+        else interval_bands_text(points)
+    )
     handles = friction_axes.get_legend_handles_labels()
     figure.legend(*handles, title=bands_label, loc="outside lower center", ncols=2)
     return figure
+
+
+def draw_curve_with_band(axes: Axes, x: Floats, values: xarray.DataArray, colour: str, *, label: str = "") -> Floats:
+    """Draw means as a curve with markers, and their 95 % intervals as a band; return the means."""
+    mean, lower_limits, upper_limits = (values.sel(statistic=name).values for name in MEAN_AND_LIMITS)
+    axes.fill_between(x, lower_limits, upper_limits, color=colour, alpha=0.2, linewidth=0)
+    axes.plot(x, mean, "o-", color=colour, linewidth=1, markersize=2, label=label or None)
+    return np.asarray(mean)
 
 
 def _list_sliding_rules(points: xarray.Dataset) -> list[str]:

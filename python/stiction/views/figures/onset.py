@@ -37,6 +37,7 @@ from stiction.views.style import (
     FRICTION_COLOUR,
     SLIP_COLOUR_MAP,
     friction_parameters_text,
+    interval_bands_text,
     new_figure,
 )
 
@@ -91,7 +92,7 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
         axes.plot(fraction, mean, line_style, color=colour, linewidth=1, label=text)
     axes.set(xlim=(0, 1), ylim=(0, 100), xlabel="ratio of tangential to sliding load", ylabel="slipping fraction (%)")
     axes.legend(loc="upper left")
-    figure.suptitle(f"{_heading_text(onset, title)}; bands: 95 %, intervals of the mean", fontsize=6)
+    figure.suptitle(f"{_heading_text(onset, title)}; {interval_bands_text(onset)}", fontsize=6)
     return figure
 
 
