@@ -388,6 +388,19 @@ def test_friction_tests_at_several_dwell_times_separate_mu0_from_tau0() -> None:
     assert strength.tau0[0] == pytest.approx(0.05, rel=0.1)
 
 
+@pytest.mark.parametrize(("mu0", "tau0"), [(0, 0), (5, 0), (0.2, "5 GPa")])
+def test_mu0_and_tau0_of_a_tested_pair_have_no_effect_on_the_law(mu0, tau0) -> None:
+    def fit_law(mu0: Any, tau0: Any) -> Any:
+        options = {**PAIR_OPTIONS, "mu0": mu0, "tau0": tau0, "load": "60 MPa", "hardness": "1 GPa"}
+        result = pair(*rough_surface_pair(0.03), **options)
+        return calibrate([FrictionTest(result, "60 MPa", coefficient=0.3, uncertainty=0.01)], sliding="all")
+
+    law, expected = fit_law(mu0, tau0), fit_law(0.2, "50 MPa")
+    np.testing.assert_array_equal(law.fits[0].mu0, expected.fits[0].mu0)
+    # Faults differ in the name of the pair, which is that of a temporary directory.
+    assert [fault for _, fault in law.pair_faults] == [fault for _, fault in expected.pair_faults]
+
+
 def test_area_factor_of_a_friction_test_contains_exact_inputs_too() -> None:
     factor = FrictionTest(Ball("5 mm", "3 GPa"), "20 mN", coefficient=0.3).area_factor
     assert {name: value.value for name, value in factor.inputs.items()} == {"effective_modulus": 3.0, "area_loss": 0.0}

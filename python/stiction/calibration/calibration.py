@@ -31,6 +31,7 @@ from stiction.study.interfaces import (
     JUNCTION_GROWTH_HEADER_ENTRY,
     SLIDING_RULES,
     StrengthFit,
+    round_median_strength,
 )
 
 # The errors of the tests can be estimated from at least this number of tests that slid.
@@ -165,7 +166,11 @@ def calibrate(
     interface = Interface(
         tuple(fits), mean_area_per_load, variation, is_separated, advice, tuple(test_points), header_entries, common
     )
-    interface = replace(interface, pair_faults=find_pair_faults(tests), exact_inputs=first_problem.exact_inputs)
+    interface = replace(
+        interface,
+        pair_faults=find_pair_faults(tests, *round_median_strength(interface)),
+        exact_inputs=first_problem.exact_inputs,
+    )
     interface = interface.with_caveats(FAULTS_HEADER_ENTRY, [": ".join(fault) for fault in interface.pair_faults])
     is_excluded = fits[0].probability < EXCLUSION_P_VALUE_LIMIT and fits[0].scale > MAX_ERROR_SCALE
     entry = FAULTS_HEADER_ENTRY if is_excluded else CAUTIONS_HEADER_ENTRY

@@ -370,8 +370,10 @@ def depends_on_junction_growth(friction: _FrictionTestSums, mu0: float, tau0: fl
     return abs(FrictionLaw(mu0, tau0).growth_effect(friction.hardness)) > NEGLIGIBLE_GROWTH_EFFECT
 
 
-def find_pair_faults(tests: Sequence[FrictionTest]) -> tuple[tuple[str, str], ...]:
+def find_pair_faults(tests: Sequence[FrictionTest], mu0: float, tau0: float) -> tuple[tuple[str, str], ...]:
     """Return the faults that forbid quoting the friction of tested pairs at the loads of their tests.
+
+    `mu0` and `tau0` (GPa) are the fitted ones, because those of the studies of the pairs may be placeholders.
 
     Each fault has two texts: the pair with its loads, and the fault with its remedy.
     """
@@ -380,7 +382,7 @@ def find_pair_faults(tests: Sequence[FrictionTest]) -> tuple[tuple[str, str], ..
     for index, result in enumerate(results.values(), start=1):
         name = result.path.resolve().name if result.path else f"tested pair {index}"
         loads = sorted({float(test.load) for test in tests if test.result is result})
-        for point in result.summary(loads).reported_points:
+        for point in result.summary(loads, mu0=mu0, tau0=tau0).reported_points:
             load_text = format_load(point.at["load"], point.nominal_pressure)
             for fault in point.faults:
                 load_texts = faults.setdefault((name, f"{fault.text}, so A/F may be wrong; {fault.remedy}"), [])

@@ -618,7 +618,8 @@ def _find_size_effect_caveats(point: xarray.Dataset, study: Study, value: Slidin
     factor = float(size_effect_factor(TYPICAL_SIZE_EFFECT_LENGTH, depth))
     law = Inputs.from_study(study).friction_law(0.0, read_number(point, "tau0"))
     _, adhesive = law.contributions(0.0, area / read_number(point, "load"))
-    effect = plastic_fraction * (1 - 1 / factor) * adhesive / value.value
+    # The coefficient is 0 if mu0 and tau0 are 0.
+    effect = plastic_fraction * (1 - 1 / factor) * adhesive / value.value if adhesive > 0 else 0.0
     if not effect > NEGLIGIBLE_GROWTH_EFFECT:
         return
     text = (
@@ -640,7 +641,7 @@ def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingR
         .friction_law(0.0, read_number(point, "tau0"))
         .contributions(0.0, mean_over_directions(point, "contact_area") / read_number(point, "load"))
     )
-    effect = max_loss * adhesive / value.value
+    effect = max_loss * adhesive / value.value if adhesive > 0 else 0.0
     if effect <= NEGLIGIBLE_GROWTH_EFFECT:
         return
     text = (
