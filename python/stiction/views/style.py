@@ -211,10 +211,11 @@ def render_figure(figure: Figure, file_format: str) -> bytes:
         "svg": {"Title": producer, "Date": None},
     }
     with mpl.rc_context(MATPLOTLIB_STYLE):
-        place_axes(figure)
         if file_format == "png":
             write_png(figure, content, dpi=figure.dpi, metadata=metadata[file_format])
+            figure.set_layout_engine(None)  # The axes are placed for files of other formats, too.
         else:
+            place_axes(figure)
             figure.savefig(content, format=file_format, metadata=metadata[file_format])
     return content.getvalue()
 
