@@ -393,6 +393,17 @@ def test_pair_function_rejects_an_interface_combined_with_mu0(options, pattern) 
         pair(*rough_surfaces(), **PAIR_OPTIONS, **options)
 
 
+def test_pair_in_the_same_directory_accepts_another_published_interface_or_a_file(film_file, tmp_path) -> None:
+    options = {**PAIR_OPTIONS, "directory": tmp_path / "r"}
+    first_name, second_name = list(interfaces())[:2]
+    values = [
+        pair(*rough_surfaces(), interface=source, **options).value
+        for source in (first_name, second_name, film_file, first_name)
+    ]
+    assert len(set(values)) == 3
+    assert values[3] == values[0]
+
+
 def test_interfaces_command_lists_interfaces_that_the_pair_command_accepts(tmp_path) -> None:
     output = call_stiction("interfaces", cwd=tmp_path).stdout
     record = json.loads(call_stiction("interfaces", "--json", cwd=tmp_path).stdout)

@@ -752,7 +752,9 @@ def find_section_differences(
         first_value, second_value = getattr(first_section, name, None), getattr(second_section, name, None)
         if first_value == second_value:
             continue
-        if isinstance(first_value, SettingsSection) and isinstance(second_value, SettingsSection):
+        # A published interface is a section that study files contain as a name.
+        have_keys = all(isinstance(section.get(name), dict) for section in serialized)
+        if have_keys and isinstance(first_value, SettingsSection) and isinstance(second_value, SettingsSection):
             differences += find_section_differences(first_value, second_value, f"{prefix}{name}.")
         else:
             texts = [
