@@ -22,6 +22,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
+from stiction import _core
 from stiction._core import __version__, build
 from stiction._errors import ArgumentError
 from stiction._files import describe_os_error
@@ -136,6 +137,11 @@ COMMANDS_BY_GROUP: dict[str, dict[str, tuple[str, str]]] = {
     "Contact laws": {"table": ("table", "Tabulate friction, area and stiffness for another code.")},
 }
 """Module and help line of each command, by group, so that the help text needs no import of the modules."""
+
+OLD_CORE_MESSAGE = (
+    "the compiled part of stiction (_core) is older than its Python files: build it again with ./dev setup or "
+    "pip install ."
+)
 
 EXIT_STATUS_HELP = (
     f"Exit status: 0 success, {EXIT_BAD_INPUT} bad input (with one message), {EXIT_INTERRUPTED} interrupted."
@@ -322,7 +328,13 @@ def run_command_line() -> int:
         print_message(f"{prefix}{describe_os_error(error)}")
     except ArgumentError as error:
         print_message(error.translated_message(_option_name))
-    except (ValueError, ImportError) as error:
+    except (AttributeError, ImportError) as error:
+        # Only the text tells the module apart: an error in a worker process arrives without its object.
+        is_core_too_old = f"'{_core.__name__}'" in str(error)
+        if isinstance(error, AttributeError) and not is_core_too_old:
+            raise
+        print_message(OLD_CORE_MESSAGE if is_core_too_old else str(error) or type(error).__name__)
+    except ValueError as error:
         print_message(str(error) or type(error).__name__)
     # A RuntimeError or SystemError occurs if a thread cannot start, or if a library runs out of memory.
     except (RuntimeError, SystemError) as error:
