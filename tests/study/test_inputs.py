@@ -125,6 +125,17 @@ def test_study_of_a_pair_of_materials_contains_the_ranges_of_both_materials():
     assert "poisson_lower" not in inputs.uncertain  # for brass, the source states one value without a range
 
 
+@pytest.mark.parametrize(("materials", "hardness", "label"), [
+    (("steel", "grey cast iron"), None, "the hardness of the mild steel"),
+    (("steel", "grey cast iron"), "180 HV ± 10 %", "the hardness of the softer body"),
+    (("steel", "steel"), "180 HV ± 10 %", "the hardness of the mild steel"),
+])  # fmt: skip
+def test_label_of_a_given_hardness_names_a_material_only_if_both_bodies_have_it(materials, hardness, label):
+    upper, lower = materials
+    study = compute_pair(upper=upper, lower=lower, hardness=hardness).study
+    assert Inputs.from_study(study).entries["hardness"].label == label
+
+
 def test_moduli_are_separate_uncertain_inputs_if_only_one_body_is_given_by_a_material_name():
     study = compute_pair(upper="steel", young="3 MPa ± 5 %", poisson="0.5", effective_modulus=None).study
     inputs = Inputs.from_study(study)
@@ -214,8 +225,8 @@ def study_file(tmp_path_factory):
 
 
 @pytest.mark.parametrize(("study_key", "entry", "text", "label"), [
-    ("contact.hardness", '"0.6 GPa"', "hardness 600 MPa, ", "the hardness of the brass"),
-    ("contact.hardness", '"0.5..0.7 GPa"', "hardness 592 MPa (0.5..0.7 GPa), ", "the hardness of the brass"),
+    ("contact.hardness", '"0.6 GPa"', "hardness 600 MPa, ", "the hardness of the softer body"),
+    ("contact.hardness", '"0.5..0.7 GPa"', "hardness 592 MPa (0.5..0.7 GPa), ", "the hardness of the softer body"),
     ("contact.effective_modulus", '"40 GPa"', "E* = 40 GPa, ", "Young's modulus of the mild steel"),
     ("contact.effective_modulus", '"40 GPa ± 5 %"', "E* = 40 GPa, ", "E*"),
     ("contact.young", '["300 GPa ± 3 %", "150 GPa"]', "E* = 112 GPa, ", "Young's modulus of the mild steel"),

@@ -187,13 +187,11 @@ def _build_inputs(
     values: tuple[tuple[str, InputValue], ...], bodies: tuple[tuple[InputValue, InputValue], ...],
     materials: tuple[Material, ...], interface: InterfaceSettings | None, has_size_effect: bool,
 ) -> Inputs:  # fmt: skip
-    softer_material = softest_material(*materials)
     entries: dict[str, StudyInput] = {}
     for name, value in values:
         if name == "effective_modulus" and bodies:
             continue
-        label = _LABELS[name]
-        label += f" of the {softer_material.name}" if name == "hardness" and softer_material else ""
+        label = _build_hardness_label(value.estimate, materials) if name == "hardness" else _LABELS[name]
         label = _SLIP_LINE_LABEL if value.estimate.uses_slip_lines else label
         entries[name] = _build_input(name, label, value)
     if has_size_effect:
@@ -213,6 +211,19 @@ def _build_inputs(
         is_one_material=is_one_material,
     )
     return Inputs(MappingProxyType(entries), interface, modulus)
+
+
+def _build_hardness_label(hardness: UncertainInput, materials: tuple[Material, ...]) -> str:
+    """Return the label of the hardness, with the body that has this hardness only if the body is certain.
+
+    A measured hardness may belong to the body that the table of materials lists as the harder one.
+    """
+    label, softer_material = _LABELS["hardness"], softest_material(*materials)
+    if softer_material is None or softer_material.hardness is None:
+        return label
+    is_from_table = (hardness.low, hardness.high) == (softer_material.hardness.low, softer_material.hardness.high)
+    is_certain = is_from_table or len(set(materials)) == 1
+    return f"{label} of the {softer_material.name if is_certain else 'softer body'}"
 
 
 def _build_input(name: str, label: str, value: InputValue) -> StudyInput:
