@@ -20,6 +20,7 @@ from stiction import (
     calibrate,
     half_space,
     hardness_under_shear,
+    material,
     open_result,
     pair,
     read_interface,
@@ -350,6 +351,32 @@ def test_plan_of_further_ball_tests_states_the_loads_and_conditions_of_the_tests
     assert (high / low) ** 3 == pytest.approx(1 if num_tests == 1 else 100)
     range_text = f"{low:.3g} 1/GPa" if num_tests == 1 else f"{low:.3g} to {high:.3g} 1/GPa"
     assert f"A/F of the ball is {range_text}" in " ".join(calibration_text(interface).split())
+
+
+@pytest.mark.parametrize("num_tests", [1, 3])
+def test_planned_tests_on_yielding_bodies_are_below_the_yield_limit_of_the_hardness_of_the_pair(num_tests, tmp_path):
+    result, hardness = compute_plastic_pair("slip-line"), 0.625
+    tests = [FrictionTest(result, "20 MPa", coefficient=0.2, uncertainty=0.01)] * num_tests
+    interface = calibrate(tests, common=0.0, sliding="all")
+    write_interface(interface, tmp_path / "law")
+    ball_tests = [FrictionTest(BALL, load, coefficient=0.3, uncertainty=0.015) for load in LOADS[:num_tests]]
+    ball_interface = calibrate(ball_tests, common=0.0)
+    for law, wanted in ((interface, None), (read_interface(tmp_path / "law"), None), (ball_interface, result)):
+        prediction = None if wanted is None else predict_wanted_pair(law, wanted)
+        conditions = json.loads(calibration_json(law, (), prediction))["plan_conditions"]
+        yield_limit = conditions["ball_yield_limit_GPa"]
+        assert yield_limit == pytest.approx(0.39 * hardness)
+        assert 1 / min(conditions["ball_area_per_load_per_GPa"]) <= yield_limit * (1 + 1e-9)
+    # Contacts at half the hardness count as yielding, so that no elastic finish has a third of the area.
+    assert not any("elastic" in text for text, *_ in interface.advice)
+    assert "(0.39 times the hardness of 625 MPa)" in " ".join(calibration_text(interface).split())
+    assert json.loads(calibration_json(ball_interface))["plan_conditions"]["ball_yield_limit_GPa"] is None
+
+
+def test_planned_ball_has_the_hardness_of_its_materials_if_no_pair_has_a_hardness() -> None:
+    ball = Ball("5 mm", upper_material="PMMA", lower_material="glass")
+    interface = calibrate([FrictionTest(ball, "20 mN", coefficient=0.3, uncertainty=0.015)])
+    assert find_plan_conditions(interface).hardness == float(material("PMMA").hardness)
 
 
 def test_narrower_modulus_of_a_ball_applies_to_its_tests_as_in_a_fit_with_this_range() -> None:

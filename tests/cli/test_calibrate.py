@@ -164,6 +164,26 @@ def test_caveat_about_a_yielding_ball_states_pressures_and_the_maximum_load_of_u
     assert check_stiction("calibrate", "forces.csv", *options, cwd=tmp_path).stderr == ""
 
 
+def test_caveat_about_a_yielding_ball_uses_the_hardness_with_which_a_pair_of_its_materials_was_computed(tmp_path):
+    for side in ("upper", "lower"):
+        surface = self_affine_surface(3, hurst_exponent=0.8, rms=0.1, shape=(24, 24), spacing=0.5, side=side)
+        write_surface(surface, tmp_path / f"{side}.csv")
+    materials = ("--upper", "steel", "--lower", "grey cast iron")
+    options = ("--hardness", "1.9 GPa", "--mu0", 0.2, "--load", "100 MPa", "--shifts", 4, "--onset", 0, "-o", "fit")
+    check_stiction(
+        "pair", "upper.csv", "lower.csv", *materials, *options, cwd=tmp_path, without_figures=True, without_report=True
+    )
+    rows = ["pair,load (N),load (MPa),coefficient,uncertainty (%)", "ball,100,,0.3,3", "fit,,100,0.3,3"]
+    (tmp_path / "forces.csv").write_text("\n".join(rows), "utf-8")
+    arguments = ("forces.csv", "--pair", "fit", "--ball", "5 mm", "--sliding", "all")
+    messages = [
+        " ".join(check_stiction("calibrate", *arguments, *bodies, cwd=tmp_path, without_figures=True).stderr.split())
+        for bodies in (materials, ("--upper", "steel", "--lower", "steel"))
+    ]
+    assert "the yield limit, 741 MPa (0.39 times the hardness of fit, 1.9 GPa)" in messages[0]
+    assert "(0.39 times the hardness)" in messages[1]  # the pair has other materials
+
+
 def test_calibrate_command_accepts_ball_options_if_no_friction_test_used_a_ball(two_finishes_directory):
     ball = ("--ball", "1 mm", "--upper", "PMMA", "--lower", "glass")
     arguments = ("forces.csv", "--pair", "ground", "--pair", "lapped", *ball, "--sliding", "all")

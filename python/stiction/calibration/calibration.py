@@ -19,7 +19,13 @@ from stiction._arguments import MAX_INPUT_NUMBER
 from stiction._checks import check_bool, check_choice, validate_number
 from stiction._units import short_repr, to_core_units
 from stiction.calibration.fit import MIN_AREA_VARIATION, CalibrationProblem
-from stiction.calibration.friction_tests import Ball, FrictionTest, find_pair_faults, list_sliding_rules
+from stiction.calibration.friction_tests import (
+    Ball,
+    FrictionTest,
+    find_pair_faults,
+    find_tested_hardness,
+    list_sliding_rules,
+)
 from stiction.calibration.prediction import Interface
 from stiction.mechanics.model import SlidingRule
 from stiction.study.interfaces import (
@@ -154,7 +160,8 @@ def calibrate(
         (float(ratio), float(test.coefficient or 0.0), float(test.uncertainty or math.nan), test.slid)
         for ratio, test in zip(area_per_load_of_tests, tests, strict=True)
     ]
-    advice = () if is_separated else first_problem.suggest_tests(mean_area_per_load)
+    tested_hardness = find_tested_hardness(tests)
+    advice = () if is_separated else first_problem.suggest_tests(mean_area_per_load, tested_hardness)
     header_entries = {"kind": "measured"} | (
         {HARDNESS_HEADER_ENTRY: first_problem.shared_hardness.text} if first_problem.shared_hardness else {}
     )
@@ -170,6 +177,7 @@ def calibrate(
         interface,
         pair_faults=find_pair_faults(tests, *round_median_strength(interface)),
         exact_inputs=first_problem.exact_inputs,
+        tested_hardness=tested_hardness,
     )
     interface = interface.with_caveats(FAULTS_HEADER_ENTRY, [": ".join(fault) for fault in interface.pair_faults])
     is_excluded = fits[0].probability < EXCLUSION_P_VALUE_LIMIT and fits[0].scale > MAX_ERROR_SCALE

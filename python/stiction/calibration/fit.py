@@ -875,11 +875,12 @@ class CalibrationProblem:
 
     # ---- Advice -----------------------------------------------------------------------------------------------------
 
-    def suggest_tests(self, area_per_load: float) -> tuple[tuple[str, float, float], ...]:
+    def suggest_tests(self, area_per_load: float, hardness: float) -> tuple[tuple[str, float, float], ...]:
         """Suggest tests that would separate mu0 from tau0, with the resulting standard errors of mu0 and tau0.
 
-        `area_per_load` is the mean true area per load A/F (1/GPa) of the present tests. The planned tests have the
-        median relative error of the present tests, or 5 % if the errors are unknown.
+        `area_per_load` and `hardness` are the mean true area per load A/F (1/GPa) and the hardness (GPa, or NaN) of the
+        present tests. The planned tests have the median relative error of the present tests, or 5 % if the errors are
+        unknown.
         """
         mu0, tau0 = self.best_fit.mu0, self.best_fit.tau0
         best_fit_arguments = self.best_fit.scores[np.newaxis], np.array([mu0]), np.array([tau0])
@@ -894,7 +895,7 @@ class CalibrationProblem:
         )
         num_tests = len(self.error)
         plans_with_errors = []
-        for plan, further_areas_per_load in list_area_plans(area_per_load, num_tests):
+        for plan, further_areas_per_load in list_area_plans(area_per_load, num_tests, hardness):
             areas_per_load = np.concatenate([np.full(num_tests, area_per_load), further_areas_per_load])
             coefficient_errors = relative_error * np.maximum(FrictionLaw(mu0, tau0).force(1.0, areas_per_load), 1e-12)
             design_matrix = np.stack([1 / coefficient_errors, areas_per_load / coefficient_errors], axis=1)

@@ -363,6 +363,27 @@ class FrictionTest:
         return _AreaFactorFromResult.from_result(self.result, float(self.load), float(self.wait))
 
 
+def find_pair_hardness(result: Any) -> float:
+    """Return the hardness (GPa) with which a pair was computed; NaN for elastic pairs and for a ball."""
+    if isinstance(result, Ball):
+        return math.nan
+    if isinstance(result, FrictionCurve):
+        return float(getattr(result, "hardness", None) or math.nan)
+    return float(MemberSums.of(result).study.contact.hardness or math.nan)
+
+
+def find_tested_hardness(tests: Sequence[FrictionTest]) -> float:
+    """Return the lowest hardness (GPa) of the tested pairs or, if no pair has one, of the materials of tested balls.
+
+    Returns NaN if neither is known.
+    """
+    results = [test.result for test in tests]
+    pair_hardnesses = [value for value in map(find_pair_hardness, results) if not math.isnan(value)]
+    ball_hardnesses = [result.elasticity.hardness for result in results if isinstance(result, Ball)]
+    known_ball_hardnesses = [float(value) for value in ball_hardnesses if value is not None]
+    return min(pair_hardnesses or known_ball_hardnesses, default=math.nan)
+
+
 def depends_on_junction_growth(friction: _FrictionTestSums, mu0: float, tau0: float) -> bool:
     """Return whether junction growth by slip-line theory would noticeably change the coefficient of a test."""
     if not friction.sums["tangential_adhesive"] * friction.hardness > MIN_PLASTIC_AREA_RATIO:
@@ -427,8 +448,7 @@ def _interpolate_sums_per_load(curve: FrictionCurve, load: float) -> _FrictionTe
         return float(np.interp(math.log(load), np.log(loads[order]), values[order]))
 
     return _FrictionTestSums(
-        sums=sums_per_load({name: interpolate_sum(name) for name in LOAD_SUM_NAMES}),
-        hardness=float(getattr(curve, "hardness", None) or math.nan),
+        sums=sums_per_load({name: interpolate_sum(name) for name in LOAD_SUM_NAMES}), hardness=find_pair_hardness(curve)
     )
 
 
@@ -457,5 +477,5 @@ def _average_sums_per_load(result: Any, load: float, sliding: SlidingRule) -> _F
         sums=sums_per_load(means),
         scatter=estimate_area_error(adhesive_sums),
         surfaces=study.pair_checksum,
-        hardness=float(study.contact.hardness or math.nan),
+        hardness=find_pair_hardness(result),
     )

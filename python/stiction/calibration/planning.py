@@ -11,13 +11,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stiction._checks import Floats, check_instance
+from stiction.calibration.friction_tests import find_pair_hardness
 from stiction.calibration.prediction import Interface
 from stiction.mechanics.friction import FrictionLaw
+from stiction.mechanics.hardness import MAX_ELASTIC_PRESSURE_RATIO
 from stiction.study.input_distributions import Z_95
 from stiction.study.interfaces import StrengthFit, ValueWithLimits, round_median_strength
 
 DEFAULT_RELATIVE_ERROR = 0.05
 BALL_LOAD_RANGE = 100.0
+
+BALL_YIELD_PRESSURE_RATIO = 0.39
+"""Ratio of mean pressure to hardness at which a ball starts to yield: 1.1/2.84 (Johnson 1985, chapter 6)."""
 
 
 class PlannedTests(NamedTuple):
@@ -28,7 +33,7 @@ class PlannedTests(NamedTuple):
 
 
 class PlanConditions(NamedTuple):
-    """Number and errors of further tests, and areas per load of a ball test, which all plans of further tests use."""
+    """Number and errors of further tests, hardness, and areas per load of a ball, which all further tests have."""
 
     num_tests: int
     # Median error of the present tests, or `DEFAULT_RELATIVE_ERROR`.
@@ -36,45 +41,67 @@ class PlanConditions(NamedTuple):
     is_error_known: bool
     # True areas per load (1/GPa) of a ball at its highest and at its lowest load; a single test has only one load.
     ball_area_per_load: tuple[float, float]
+    # Hardness (GPa) of the bodies, or NaN if unknown.
+    hardness: float
+
+    @property
+    def ball_yield_limit(self) -> float:
+        """Mean pressure (GPa) at which a ball starts to yield, or NaN if the hardness is unknown."""
+        return BALL_YIELD_PRESSURE_RATIO * self.hardness
 
 
-def find_plan_conditions(interface: Interface) -> PlanConditions:
-    """Return the number and the error of further tests that `plan_tests` and `Interface.advice` assume."""
+def find_plan_conditions(interface: Interface, hardness: float = math.nan) -> PlanConditions:
+    """Return the number and the error of further tests that `plan_tests` and `Interface.advice` assume.
+
+    `hardness` is the hardness (GPa) of the wanted pair. NaN stands for the hardness of the present tests.
+    """
+    if math.isnan(hardness):
+        hardness = interface.tested_hardness
+    if math.isnan(hardness):
+        # An interface file contains the hardness of the tests only as samples.
+        hardness = float(np.median(interface.fits[0].hardness))
     relative_errors = [
         uncertainty / coefficient for _, coefficient, uncertainty, slid in interface.tests if slid and coefficient > 0
     ]
     relative_error = float(np.median(relative_errors)) if relative_errors else math.nan
     is_error_known = math.isfinite(relative_error)
     num_tests = max(len(interface.tests), 1)
-    ball_areas_per_load = _compute_areas_per_load_of_ball_tests(interface.area_per_load, num_tests)
+    ball_areas_per_load = _compute_areas_per_load_of_ball_tests(interface.area_per_load, num_tests, hardness)
     return PlanConditions(
         num_tests, relative_error if is_error_known else DEFAULT_RELATIVE_ERROR, is_error_known,
-        (float(ball_areas_per_load[0]), float(ball_areas_per_load[-1])),
+        (float(ball_areas_per_load[0]), float(ball_areas_per_load[-1])), hardness,
     )  # fmt: skip
 
 
-def _compute_areas_per_load_of_ball_tests(area_per_load: float, count: int) -> Floats:
+def _compute_areas_per_load_of_ball_tests(area_per_load: float, count: int, hardness: float) -> Floats:
     """Return A/F (1/GPa) of further tests of a ball, from the highest load to the lowest load.
 
-    A single test has the highest load, because μ0 and τ0 need a second A/F. For a ball (Hertz), A/F is proportional to
-    F^(-1/3).
+    The ball does not yield at the highest load, if the hardness (GPa) is not NaN. For a ball (Hertz), A/F is
+    proportional to F^(-1/3). μ0 and τ0 need a second A/F, so a single test has the highest load or, if the ball would
+    yield at this A/F, the lowest load.
     """
     ball_ratio = BALL_LOAD_RANGE ** (1 / 6)
-    return np.asarray(area_per_load * np.geomspace(1 / ball_ratio, ball_ratio, count))
+    central_area_per_load = float(np.fmax(area_per_load, ball_ratio / (BALL_YIELD_PRESSURE_RATIO * hardness)))
+    if count == 1 and central_area_per_load > area_per_load:
+        return np.array([central_area_per_load * ball_ratio])
+    return np.asarray(central_area_per_load * np.geomspace(1 / ball_ratio, ball_ratio, count))
 
 
-def list_area_plans(area_per_load: float, count: int) -> Iterator[tuple[str, Floats]]:
+def list_area_plans(area_per_load: float, count: int, hardness: float = math.nan) -> Iterator[tuple[str, Floats]]:
     """Yield plans of further tests that would separate mu0 from tau0: a description, and A/F (1/GPa) of each test.
 
-    `area_per_load` and `count` are the mean true area per load (1/GPa) and the number of the present tests.
+    `area_per_load` and `count` are the mean true area per load (1/GPa) and the number of the present tests. `hardness`
+    is that of the bodies (GPa), or NaN if it is unknown. A finish whose contacts would yield is left out.
     """
     tests = _count_tests(count)
     loads = "one load" if count == 1 else "two decades of load"
     yield (
         f"{tests} of a smooth ball below yield, {loads}",
-        _compute_areas_per_load_of_ball_tests(area_per_load, count),
+        _compute_areas_per_load_of_ball_tests(area_per_load, count, hardness),
     )
-    yield f"{tests} of a second finish, elastic, three times as rough", np.full(count, area_per_load / 3)
+    rough_area_per_load = area_per_load / 3
+    if not rough_area_per_load * MAX_ELASTIC_PRESSURE_RATIO * hardness < 1:
+        yield f"{tests} of a second finish, elastic, three times as rough", np.full(count, rough_area_per_load)
     yield f"{tests} with the same film on a body twice as hard", np.full(count, area_per_load / 2)
 
 
@@ -99,7 +126,8 @@ def plan_tests(interface: Interface, result: Any, load: float | str) -> tuple[Pl
         The planned tests are as many as the present ones and have their median relative error. They are assumed to
         measure the coefficients that follow from the medians of mu0 and tau0. Tests of the pair itself have the same
         common error as the present tests. The text of this plan says so if this error is unknown, because an older
-        version wrote the interface file. No interval is wider than the present interval.
+        version wrote the interface file. No interval is wider than the present interval. A planned ball has the
+        hardness of the pair or, if the pair is elastic, of the present tests, and does not yield.
 
     Notes
     -----
@@ -117,10 +145,11 @@ def plan_tests(interface: Interface, result: Any, load: float | str) -> tuple[Pl
     '3 tests of this pair at this load'
     """
     check_instance("interface", interface, Interface, "an Interface, as returned by calibrate()")
-    count, relative_error, *_ = find_plan_conditions(interface)
+    conditions = find_plan_conditions(interface, find_pair_hardness(result))
+    count, relative_error = conditions.num_tests, conditions.relative_error
     central_law = FrictionLaw(*round_median_strength(interface))
     plans, present = [], interface.predict(result, load)
-    for text, areas_per_load in list_area_plans(interface.area_per_load, count):
+    for text, areas_per_load in list_area_plans(interface.area_per_load, count, conditions.hardness):
         expected = central_law.force(1.0, areas_per_load)
         planned = partial(_reweight, areas_per_load=areas_per_load, expected=expected, error=relative_error * expected)
         fit, bounds = planned(interface.fits[0]), interface.fits[0].fits_at_bounds

@@ -13,7 +13,7 @@ from stiction.cli.options import JsonOption, option, reject_options
 from stiction.cli.pair_options import pair_option
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from stiction.calibration.friction_tests import Ball
 
@@ -156,7 +156,10 @@ def calibrate(
     )
     if ball is not None:
         loads = [float(test.load) for test in tests if test.result is bodies["ball"]]
-        if caveat := _describe_yielding_ball(bodies["ball"], loads):
+        pairs = {name: result for name, result in bodies.items() if name != "ball"}
+        if target is not None and target_result is not None:
+            pairs[target.resolve().name] = target_result
+        if caveat := _describe_yielding_ball(bodies["ball"], loads, pairs):
             print_message(caveat)
     if output is not None:
         print_written, figure_path = choose_message_printer(as_json), Path(f"{output}.png")
@@ -166,19 +169,27 @@ def calibrate(
         print_written(f"wrote {output}, for stiction pair --interface, and {figure_path}")
 
 
-BALL_YIELD_PRESSURE_RATIO = 0.39
-"""Ratio of mean pressure to hardness at which a ball starts to yield: 1.1/2.84 (Johnson 1985, chapter 6)."""
-
-
-def _describe_yielding_ball(ball: Ball, loads: Sequence[float]) -> str:
+def _describe_yielding_ball(ball: Ball, loads: Sequence[float], pairs: Mapping[str, Any]) -> str:
     """Return a caveat if the ball or the flat may yield at one of the loads (mN), or "" if neither can yield.
 
-    The hardness is known only if the materials are given by name.
+    The hardness is known only if the materials are given by name. Of the results `pairs`, by name, those of the same
+    two materials determine the hardness: the lowest one counts.
     """
     from stiction._number_format import format_with_unit
+    from stiction.calibration.friction_tests import find_pair_hardness
+    from stiction.calibration.planning import BALL_YIELD_PRESSURE_RATIO
 
-    if (hardness := ball.elasticity.hardness) is None or not loads:
+    if ball.elasticity.hardness is None or not loads:
         return ""
+    hardness, hardness_text = float(ball.elasticity.hardness), "the hardness"
+    if pair_hardnesses := [
+        (find_pair_hardness(result), name)
+        for name, result in pairs.items()
+        if result.study.contact.hardness is not None
+        and sorted(result.study.contact.materials or ()) == sorted(ball.elasticity.materials or ("",))
+    ]:
+        hardness, name = min(pair_hardnesses)
+        hardness_text = f"the hardness of {name}, {format_with_unit(hardness, 'GPa')}"
     max_load, yield_limit = max(loads), BALL_YIELD_PRESSURE_RATIO * hardness
     max_pressure = 1 / ball.area_per_load(max_load)
     if max_pressure <= yield_limit:
@@ -190,8 +201,8 @@ def _describe_yielding_ball(ball: Ball, loads: Sequence[float]) -> str:
     return (
         f"the mean pressure under the ball, {format_with_unit(max_pressure, 'GPa')} in the test at "
         f"{format_with_unit(max_load, 'mN')}, may exceed the yield limit, {format_with_unit(yield_limit, 'GPa')} "
-        f"({BALL_YIELD_PRESSURE_RATIO:g} times the hardness); A/F is computed for elastic contact; leave out {tests} "
-        f"of the ball above {format_with_unit(yield_load, 'mN')}, or test smaller loads or a larger ball"
+        f"({BALL_YIELD_PRESSURE_RATIO:g} times {hardness_text}); A/F is computed for elastic contact; leave out "
+        f"{tests} of the ball above {format_with_unit(yield_load, 'mN')}, or test smaller loads or a larger ball"
     )
 
 

@@ -206,6 +206,9 @@ class InterfaceStrength:
     exact_inputs : tuple of (str, float)
         Names and values (core units) of the inputs that are exact in at least one test, such as the hardness (GPa). The
         samples contain no error of these inputs.
+    tested_hardness : float
+        Lowest hardness (GPa) of the tested pairs or, if no pair has one, of the named materials of the tested balls.
+        NaN if it is unknown, and for an interface from a file.
     """
 
     fits: tuple[StrengthFit, ...]
@@ -218,6 +221,7 @@ class InterfaceStrength:
     common: float = math.nan
     pair_faults: tuple[tuple[str, str], ...] = ()
     exact_inputs: tuple[tuple[str, float], ...] = ()
+    tested_hardness: float = math.nan
 
     @classmethod
     def read(cls, path: str | Path) -> Self:

@@ -15,7 +15,14 @@ from stiction._estimate import Estimate
 from stiction._number_format import format_load, format_percent, format_with_unit
 from stiction._repr import render_png
 from stiction.calibration.fit import MIN_AREA_VARIATION
-from stiction.calibration.planning import PlannedTests, find_plan_conditions, plan_tests
+from stiction.calibration.friction_tests import find_pair_hardness
+from stiction.calibration.planning import (
+    BALL_YIELD_PRESSURE_RATIO,
+    PlanConditions,
+    PlannedTests,
+    find_plan_conditions,
+    plan_tests,
+)
 from stiction.calibration.prediction import Interface
 from stiction.study.inputs import Inputs
 from stiction.study.interfaces import (
@@ -54,12 +61,14 @@ class WantedPairPrediction:
     """Coefficients predicted for the requested pair at all study loads, with plans of further friction tests.
 
     `points` has the text of each load, and the coefficient with its interval. `caveats` are texts about inputs of the
-    pair that the tests also have, but with other ranges.
+    pair that the tests also have, but with other ranges. `hardness` is the hardness (GPa) of the pair, or NaN for an
+    elastic pair.
     """
 
     points: tuple[tuple[str, ValueWithLimits], ...]
     plans: tuple[PlannedTests, ...]
     caveats: tuple[str, ...] = ()
+    hardness: float = math.nan
 
     @property
     def is_unlimited(self) -> bool:
@@ -79,7 +88,8 @@ def predict_wanted_pair(interface: Interface, result: Evaluation) -> WantedPairP
     )
     inputs, checksum = Inputs.from_study(result.study), result.study.pair_checksum
     caveats = tuple(f"! {caveat.text}; {caveat.remedy}" for caveat in find_range_caveats(interface, inputs, checksum))
-    return WantedPairPrediction(points, plan_tests(interface, result, loads[0]), caveats)
+    plans = plan_tests(interface, result, loads[0])
+    return WantedPairPrediction(points, plans, caveats, find_pair_hardness(result))
 
 
 def calibration_text(
@@ -120,24 +130,31 @@ def calibration_text(
     elif interface.advice:
         table = [["further test that would separate μ0 and τ0", "± μ0", "± τ0"]]
         table += [[text, f"{mu0:.2g}", format_with_unit(tau0, "GPa")] for text, mu0, tau0 in interface.advice]
-        lines += ["", format_table(table), wrap_text(_plan_conditions_text(interface), hanging_indent="  ")]
+        conditions_text = _plan_conditions_text(find_plan_conditions(interface))
+        lines += ["", format_table(table), wrap_text(conditions_text, hanging_indent="  ")]
     return "\n".join(lines)
 
 
-def _plan_conditions_text(interface: Interface) -> str:
+def _plan_conditions_text(conditions: PlanConditions) -> str:
     """Return a sentence on the error and the loads of the further tests that the table of plans lists."""
-    conditions = find_plan_conditions(interface)
     reason = "the median of your tests" if conditions.is_error_known else "because the errors of your tests are unknown"
     low, high = conditions.ball_area_per_load
     error_text = f"has an error of {format_percent(conditions.relative_error)}, {reason}."
+    yield_text = (
+        ""
+        if math.isnan(conditions.hardness)
+        else f" Above a mean pressure of {format_with_unit(conditions.ball_yield_limit, 'GPa')} "
+        f"({BALL_YIELD_PRESSURE_RATIO:g} times the hardness of {format_with_unit(conditions.hardness, 'GPa')}), the "
+        "ball would yield."
+    )
     if conditions.num_tests == 1:
         return (
             f"Each of these tests {error_text} Choose a load at which A/F of the ball is {low:.3g} 1/GPa, and the "
-            "present load for other pairs."
+            f"present load for other pairs.{yield_text}"
         )
     return (
         f"Each of these tests {error_text} Choose loads at which A/F of the ball is {low:.3g} to {high:.3g} 1/GPa, and "
-        "the present loads for other pairs."
+        f"the present loads for other pairs.{yield_text}"
     )
 
 
@@ -152,7 +169,8 @@ def _describe_prediction(interface: Interface, prediction: WantedPairPrediction)
     yield ""
     rows = [[f"further tests, by the interval at {load}", "μ_s"], ["none", str(Estimate(*first_coefficient))]]
     yield format_table([*rows, *([plan.text, str(Estimate(*plan.coefficient))] for plan in prediction.plans)])
-    yield wrap_text(_plan_conditions_text(interface), hanging_indent="  ")
+    conditions = find_plan_conditions(interface, prediction.hardness)
+    yield wrap_text(_plan_conditions_text(conditions), hanging_indent="  ")
 
 
 def list_pair_caveats(interface: Interface) -> list[str]:
@@ -297,18 +315,20 @@ def calibration_json(
         variation=interface.variation, separated=interface.separated,
         junction_growth=None if interface.junction_growth is None else interface.junction_growth.short_text,
         possible_zeros=list(interface.possible_zeros), excluded=list(interface.excluded), fits=fits,
-        would_separate=advice_records, plan_conditions=_build_plan_conditions(interface),
+        would_separate=advice_records, plan_conditions=_build_plan_conditions(
+            find_plan_conditions(interface, math.nan if prediction is None else prediction.hardness)
+        ),
         pair_caveats=list_pair_caveats(interface), lays=list(lays),
         **_build_prediction_fields(prediction),
     )  # fmt: skip
 
 
-def _build_plan_conditions(interface: Interface) -> dict[str, Any]:
-    """Return number, relative error and A/F (1/GPa, of a ball) of the further tests in all plans as JSON fields."""
-    conditions = find_plan_conditions(interface)
+def _build_plan_conditions(conditions: PlanConditions) -> dict[str, Any]:
+    """Return number, relative error, A/F (1/GPa) and yield limit (GPa) of a ball in all plans as JSON fields."""
     return {
         "tests": conditions.num_tests, "relative_error": conditions.relative_error,
         "is_error_known": conditions.is_error_known, "ball_area_per_load_per_GPa": list(conditions.ball_area_per_load),
+        "ball_yield_limit_GPa": None if math.isnan(conditions.hardness) else conditions.ball_yield_limit,
     }  # fmt: skip
 
 
