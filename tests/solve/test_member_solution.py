@@ -16,7 +16,12 @@ from stiction.solve.layout import (
     stack_members,
     variable_specs,
 )
-from stiction.solve.member_solution import compute_member_arrays, estimate_member_iterations, estimate_member_time
+from stiction.solve.member_solution import (
+    compute_member_arrays,
+    estimate_member_iterations,
+    estimate_member_time,
+    sum_over_members,
+)
 from stiction.study.members import find_body_attributes, read_measured_bodies
 from support.rough_surfaces import rough_maps
 from support.studies_of_files import create_study_from_files, write_maps, write_profiles
@@ -186,6 +191,32 @@ def test_estimated_solution_time_of_large_maps_is_doubled_by_a_free_boundary(tmp
         for boundary in ("free", "periodic")
     )
     assert free_time == pytest.approx(ratio * periodic_time, rel=0.01)
+
+
+@pytest.mark.parametrize("estimate", [estimate_member_time, estimate_member_iterations])
+def test_estimates_for_large_maps_with_elastic_area_are_about_double(tmp_path, monkeypatch, estimate):
+    study = create_half_space_study(tmp_path, monkeypatch, 1536**2, hardness="1 GPa", yield_exponent=0.5)
+    with_elastic_area, with_unloading, other = (estimate(study, member) for member in (0, 3, 5))
+    assert with_elastic_area == pytest.approx(2.15 * other, rel=0.05)
+    assert with_unloading == pytest.approx(1.25 * other, rel=0.05)
+    assert other == estimate(study, None)
+    total = sum_over_members(estimate, study, [range(1), range(1, 8)])
+    assert total == pytest.approx(sum(estimate(study, member) for member in range(8)))
+
+
+@pytest.mark.parametrize("options", [{}, {"hardness": "1 GPa", "work_of_adhesion": "50 mJ/m^2"}])
+def test_estimates_are_equal_for_all_members_without_hardness_or_with_adhesion(tmp_path, monkeypatch, options):
+    study = create_half_space_study(tmp_path, monkeypatch, 512**2, **options)
+    for estimate in (estimate_member_time, estimate_member_iterations):
+        assert estimate(study, 0) == estimate(study, 5) == estimate(study, None) > 0
+
+
+def test_estimated_number_of_iterations_increases_only_for_large_maps(tmp_path, monkeypatch):
+    iterations = [
+        estimate_member_iterations(create_half_space_study(tmp_path, monkeypatch, side**2)) for side in (128, 512, 1536)
+    ]
+    assert iterations[0] == iterations[1]
+    assert iterations[2] == pytest.approx(2 * iterations[1], rel=0.1)
 
 
 def test_estimated_number_of_iterations_for_soft_adhesive_maps_does_not_depend_on_the_grid_size(tmp_path, monkeypatch):

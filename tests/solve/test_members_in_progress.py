@@ -11,9 +11,10 @@ from stiction.companions.height_scale import scale_study_heights
 from stiction.mechanics import half_space
 from stiction.mechanics.adhesion import AdhesionSolver
 from stiction.mechanics.half_space_problem import ContactSolver
+from stiction.mechanics.solution_record import SolutionRecord
 from stiction.solve import executors, members_in_progress, runner
 from stiction.solve.companion_study import CompanionStudy
-from stiction.solve.member_solution import compute_member_arrays
+from stiction.solve.member_solution import compute_member_arrays, solve_at_loads
 from stiction.solve.members_in_progress import (
     IN_PROGRESS_DIRECTORY,
     MembersInProgress,
@@ -21,7 +22,7 @@ from stiction.solve.members_in_progress import (
     remove_stored_steps,
 )
 from stiction.solve.store import BLOCKS_DIRECTORY
-from stiction.study.members import count_grid_points
+from stiction.study.members import count_grid_points, get_first_pair
 from support.generated_studies import assert_same_bits
 from support.studies_of_files import create_study_from_files, write_maps, write_profiles
 
@@ -42,7 +43,7 @@ def study(request, tmp_path, monkeypatch):
     )
 
 
-def estimate_iterations():
+def estimate_iterations(_member):
     return 100.0
 
 
@@ -207,7 +208,7 @@ def test_solution_of_a_pair_is_computed_even_if_its_load_steps_cannot_be_stored(
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
 def test_progress_of_a_solution_rises_with_the_number_of_iterations(study):
-    members = MembersInProgress(study, None, lambda: 100.0)
+    members = MembersInProgress(study, None, estimate_iterations)
     assert members.estimate_progress() == 0
     counters = [members.add(index).counter for index in range(2)]
     progress = []
@@ -220,6 +221,51 @@ def test_progress_of_a_solution_rises_with_the_number_of_iterations(study):
     assert progress[-1] < 2
     members.remove(range(1))
     assert members.estimate_progress() == pytest.approx(0.75)
+
+
+@pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
+def test_progress_weights_members_by_their_expected_iterations(study):
+    """Member 0 needs as many iterations as two others; three members are computed, at a third more than expected."""
+    members = MembersInProgress(study, None, lambda member: 200.0 if member == 0 else 100.0, lambda: 400.0 / 3)
+    counters = [members.add(index).counter for index in range(3)]
+    counters[0].add(80)
+    assert members.estimate_progress() == pytest.approx(1.5 * 0.4)
+    counters[0].add(187)
+    assert members.estimate_progress() < 1.5
+    members.remove(range(1))
+    assert 1 + members.estimate_progress() == pytest.approx(1.5)
+    counters[1].add(40)
+    assert 1 + members.estimate_progress() == pytest.approx(1.5 + 0.75 * 40 / 133.5)
+    members.remove(range(1, 3))
+    assert members.estimate_progress() == pytest.approx(0)
+
+
+@pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
+def test_record_counts_each_stiffness_once(study, monkeypatch):
+    """The study fixture limits each call of the core to one load, so that the stiffnesses are computed one by one."""
+    record = SolutionRecord()
+    curve = half_space.half_space(*get_first_pair(study), [0.5, 1.0], effective_modulus=100.0, record=record)
+    num_iterations = record.counter.count
+    stiffness = curve.stiffness
+    assert record.counter.count == num_iterations + sum(round(count / 3) for count in curve.iterations)
+    num_iterations = record.counter.count
+    assert np.isfinite(curve.closure_stiffness).all()
+    assert record.counter.count == num_iterations
+    monkeypatch.setattr(half_space, "MAX_POINTS_PER_STEP", 2**22)
+    curve = half_space.half_space(*get_first_pair(study), [0.5, 1.0], effective_modulus=100.0)
+    assert curve.stiffness.tobytes() == stiffness.tobytes()
+
+
+@pytest.mark.parametrize("study", [('hardness = "5 GPa"\nyield_exponent = 0.5\n' + LOADS, True)], indirect=True)
+def test_record_counts_the_elastic_area_and_both_stiffnesses(study):
+    counts = []
+    for computes_more in (False, True):
+        record = SolutionRecord()
+        options = {"computes_unloading": computes_more, "computes_elastic_area": computes_more}
+        values = solve_at_loads(study, *get_first_pair(study), record=record, **options)
+        counts.append(record.counter.count)
+    assert np.isfinite(values["elastic_area"]).all()
+    assert counts[1] > 1.7 * counts[0]
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)

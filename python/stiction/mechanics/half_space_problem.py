@@ -293,8 +293,10 @@ class ContactSolution:
 _RESPONSE_NAMES = {"loading_compliances": "_linear_response", "unloading_compliances": "_unloading_response"}
 
 
-def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) -> None:
+def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) -> list[ContactSolution]:
     """Compute all compliances that the solutions lack, in one call of the core, and store them in the solutions.
+
+    Returns the solutions that lacked compliances.
 
     The compliances of a contact are two displacements (µm), due to pressures with a sum of 1 GPa that displace its
     points equally: the displacement of these points, and the sum of the pressures times the displacements under a
@@ -308,7 +310,7 @@ def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) 
         if not is_computed and not solution.problem.has_free_tilt and (unloading or solution.below_hardness.any()):
             missing_compliances.append((solution, name))
     if not missing_compliances:
-        return
+        return []
     problem = missing_compliances[0][0].problem
     compliances = problem.grids.fixed_contact_responses(
         [
@@ -322,6 +324,7 @@ def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) 
     )
     for (solution, name), compliances_of_solution in zip(missing_compliances, compliances, strict=True):
         vars(solution)[name] = compliances_of_solution
+    return [solution for solution, _ in missing_compliances]
 
 
 def sum_friction_over_patches(solutions: Sequence[ContactSolution], directions: Floats) -> PatchSums:

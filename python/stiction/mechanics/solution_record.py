@@ -15,6 +15,8 @@ StepResult = dict[str, Any]
 class SolutionRecord:
     """Record of a computation in steps: methods that run the steps, and a counter of solver iterations.
 
+    Without adhesion, the counter includes the stiffnesses, each as a fraction of the iterations of its solution.
+
     A step, such as the contact at one load, depends only on the inputs of the computation and on earlier steps. A
     subclass may therefore store the results of steps: a computation that is repeated reads them instead of computing
     them again, and its result has the same bits.

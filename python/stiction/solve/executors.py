@@ -185,14 +185,16 @@ def progress_bar(
 
     A terminal or a notebook shows a progress bar after the first call of this function. Other output receives a line
     every `PROGRESS_LINE_INTERVAL`. Both show the number of finished tasks, unless there is only one task, and the
-    percentage. `estimate_progress` returns the sum of the finished fractions of all running tasks. Call the yielded
-    function with 0 from time to time to update the display.
+    percentage. `estimate_progress` returns the finished work beyond the number of finished tasks, in units of a task's
+    mean work: the finished fractions of running tasks, and the excess of finished tasks with more work.
+
+    Call the yielded function with 0 from time to time to update the display.
     """
     if not enabled:
         yield lambda count=1: None
         return
     with contextlib.ExitStack() as stack:
-        show_progress: Callable[[float, str], None] | None = None
+        show_progress: Callable[[float, int, str], None] | None = None
         may_show_bar = _may_show_progress_bar()
         start_time = last_time = time.monotonic()
         num_finished = finished
@@ -212,7 +214,7 @@ def progress_bar(
                 show_progress = stack.enter_context(_progress_display(label, total, finished))
                 may_show_bar = show_progress is not None
             if show_progress is not None:
-                show_progress(completed, remaining_text)
+                show_progress(completed, num_finished, remaining_text)
             elif current_time - last_time > PROGRESS_LINE_INTERVAL:
                 last_time = current_time
                 elapsed_text = format_duration(current_time - start_time)
@@ -240,8 +242,8 @@ def _may_show_progress_bar() -> bool:
 
 
 @contextlib.contextmanager
-def _progress_display(label: str, total: int, finished: int) -> Iterator[Callable[[float, str], None] | None]:
-    """Show a progress bar, and yield a function that updates it with the number of finished tasks and the time left.
+def _progress_display(label: str, total: int, finished: int) -> Iterator[Callable[[float, int, str], None] | None]:
+    """Show a progress bar, and yield a function that updates it: finished work, number of finished tasks, time left.
 
     Yields None if there is neither a terminal nor a notebook.
     """
@@ -250,7 +252,7 @@ def _progress_display(label: str, total: int, finished: int) -> Iterator[Callabl
     from rich import progress
     from rich.console import Console
 
-    count_columns = (progress.MofNCompleteColumn(),) if total > 1 else ()
+    count_columns = (progress.TextColumn("{task.fields[num_finished]}/{task.total:.0f}"),) if total > 1 else ()
     columns = (
         progress.TextColumn(label), progress.BarColumn(), *count_columns, progress.TaskProgressColumn(),
         progress.TextColumn("elapsed"), progress.TimeElapsedColumn(), progress.TextColumn("left {task.fields[left]}"),
@@ -262,8 +264,10 @@ def _progress_display(label: str, total: int, finished: int) -> Iterator[Callabl
         yield None
         return
     with progress.Progress(*columns, console=console, transient=console.is_terminal) as display:
-        task = display.add_task("", total=total, completed=finished, left="-")
-        yield lambda completed, left: display.update(task, completed=completed, left=left)
+        task = display.add_task("", total=total, completed=finished, num_finished=finished, left="-")
+        yield lambda completed, num_finished, left: display.update(
+            task, completed=completed, num_finished=num_finished, left=left
+        )
 
 
 class ClusterError(ValueError):

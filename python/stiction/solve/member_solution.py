@@ -6,7 +6,7 @@ import contextlib
 import functools
 import math
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -19,7 +19,13 @@ from stiction._errors import NoSolutionError
 from stiction.mechanics.candidates import candidates
 from stiction.mechanics.contact import contacts
 from stiction.mechanics.friction import STATUS_OK, STATUSES
-from stiction.mechanics.half_space import HalfSpaceCurve, half_space, solve_at_zero_load, solve_together_or_separately
+from stiction.mechanics.half_space import (
+    STIFFNESS_TO_SOLUTION_TIME_RATIO,
+    HalfSpaceCurve,
+    half_space,
+    solve_at_zero_load,
+    solve_together_or_separately,
+)
 from stiction.mechanics.law import HertzCylinder, parse_contact_law
 from stiction.mechanics.load_curve import LoadCurve, press
 from stiction.mechanics.loading import SurfacePair, find_approaches_at_loads
@@ -372,6 +378,12 @@ Their padded transforms exceed the cache of the processor, and the stiffness at 
 fixed contact points. With 2048² points, both take twice the time of the power law, which fits periodic maps.
 """
 
+TIME_FACTOR_OF_LARGE_MAPS_AT_ONCE = 1.8
+"""Factor by which solutions of maps above `MAX_POINTS_WITHIN_CACHE` points take longer if two threads compute them.
+
+Two solutions at once share the bandwidth of the memory. With 1536² points, each took nearly twice the time.
+"""
+
 ITERATION_TIME_COEFFICIENTS = {False: (2.4e-8, 0.97), True: (1.1e-8, 1.1)}
 """Power law of the time (s) of an iteration with adhesion on one core: coefficient, and exponent of the point count.
 
@@ -379,6 +391,22 @@ The keys are False for lines and True for maps.
 """
 
 ITERATIONS_PER_LOAD = 15
+MAX_POINTS_OF_TYPICAL_ITERATIONS, ITERATION_GROWTH_EXPONENT = 2**18, 0.3
+"""Number of grid points above which maps need more iterations without adhesion, and exponent of this number.
+
+Three pairs of self-affine maps (H = 0.8, three loads) needed on average 10, 15 and 21 iterations per load with 128²,
+512² and 1024² points. One pair with 1536² points needed 30. The fit gives 15, 15, 23 and 29.
+"""
+
+STIFFNESS_TIME_FACTOR = 1 + STIFFNESS_TO_SOLUTION_TIME_RATIO
+UNLOADING_TIME_SHARE = STIFFNESS_TO_SOLUTION_TIME_RATIO / STIFFNESS_TIME_FACTOR
+ELASTIC_TIME_SHARE = 1.2 / STIFFNESS_TIME_FACTOR
+"""Times of the unloading stiffness and of the elastic area, as fractions of the time of solution and stiffness.
+
+With 512² to 1536² points, the elastic area took 1.0 to 1.3 times the time of the solution with a hardness, because its
+contact has smaller patches.
+"""
+
 # For profiles (False) and maps (True); each step of an energy minimization counts as an iteration.
 MAX_ADHESION_ITERATIONS = {False: 10_700, True: 3100}
 ADHESION_ITERATIONS_AT_UNIT_RATIO = {False: 100_000, True: 5000}
@@ -424,8 +452,12 @@ def get_array_shapes_and_types(study: Study) -> dict[str, tuple[tuple[int, ...],
     }
 
 
-def estimate_member_time(study: Study) -> float:
-    """Estimate the time (s) on one core to compute one member of a study."""
+def estimate_member_time(study: Study, member: int | None = None) -> float:
+    """Estimate the time (s) on one core to compute one member of a study.
+
+    `member` is the index of the member. Without an index, the time is that of most members, for which neither the
+    elastic area of yielding bodies nor the unloading stiffness of yielding maps is computed.
+    """
     num_cells = math.prod(values.size for values in study.surfaces.cell_coordinates().values())
     num_loads = study.contact.loading_steps().size
     num_points, is_areal = count_grid_points(study), study.is_areal
@@ -435,7 +467,8 @@ def estimate_member_time(study: Study) -> float:
             + _estimate_adhesion_iterations(study) * _estimate_iteration_time(study)
         )
     if study.uses_half_space:
-        return num_cells * num_loads * estimate_solution_time(study)
+        additional_solver_time = _estimate_additional_work(study, member) * _estimate_solver_time(study)
+        return num_loads * (num_cells * estimate_solution_time(study) + additional_solver_time)
     if study.is_measured:
         return num_cells * (
             MEMBER_TIME_COEFFICIENTS["area"] * num_loads + MEMBER_TIME_COEFFICIENTS["point"] * num_points
@@ -451,13 +484,72 @@ def estimate_member_time(study: Study) -> float:
     return num_points * time_per_point + onset_time + 1e-4
 
 
-def estimate_member_iterations(study: Study) -> float:
-    """Estimate the total number of solver iterations for one member in the half-space model, over all its loads."""
+def sum_over_members(
+    estimate: Callable[[Study, int | None], float], study: Study, member_ranges: Iterable[range]
+) -> float:
+    """Return the sum of `estimate_member_time` or `estimate_member_iterations` over several ranges of members."""
+    value_of_most_members, total = estimate(study, None), 0.0
+    early_members = _find_members_with_additional_work(study)
+    for members in member_ranges:
+        overlap = range(members.start, min(members.stop, early_members.stop))
+        total += len(members) * value_of_most_members
+        total += sum(estimate(study, member) - value_of_most_members for member in overlap)
+    return total
+
+
+def estimate_thread_time_factor(study: Study) -> float:
+    """Estimate the factor by which members take longer if several threads compute one member each.
+
+    The factor was measured without adhesion.
+    """
+    is_map_without_adhesion = study.uses_half_space and study.is_areal and not study.contact.adheres
+    is_large_map = is_map_without_adhesion and count_grid_points(study) > MAX_POINTS_WITHIN_CACHE
+    return TIME_FACTOR_OF_LARGE_MAPS_AT_ONCE if is_large_map else 1.0
+
+
+def estimate_member_iterations(study: Study, member: int | None = None) -> float:
+    """Estimate the total number of solver iterations for one member in the half-space model, over all its loads.
+
+    Without adhesion, the number includes the iterations by which `HalfSpaceCurve` counts stiffnesses. `member` is the
+    index of the member as in `estimate_member_time`.
+    """
     num_cells = math.prod(values.size for values in study.surfaces.cell_coordinates().values())
     num_loads = study.contact.loading_steps().size
     if not study.contact.adheres:
-        return num_cells * num_loads * ITERATIONS_PER_LOAD
+        num_solutions = num_loads * (num_cells + _estimate_additional_work(study, member))
+        stiffness_factor = STIFFNESS_TIME_FACTOR if study.is_measured else 1.0
+        return num_solutions * stiffness_factor * ITERATIONS_PER_LOAD * _estimate_iteration_growth(study)
     return num_cells * ((num_loads + 1) * ITERATIONS_PER_LOAD + _estimate_adhesion_iterations(study))
+
+
+def _estimate_iteration_growth(study: Study) -> float:
+    """Estimate the ratio of the iterations per load, without adhesion, to `ITERATIONS_PER_LOAD`."""
+    if not study.is_areal:
+        return 1.0
+    return math.pow(max(1.0, count_grid_points(study) / MAX_POINTS_OF_TYPICAL_ITERATIONS), ITERATION_GROWTH_EXPONENT)
+
+
+def _estimate_additional_work(study: Study, member: int | None) -> float:
+    """Estimate the work of a member for elastic area and unloading stiffness, in numbers of solutions per load.
+
+    For lines, the time of a solution includes the unloading stiffness, which all members have.
+    """
+    if member is None or member not in _find_members_with_additional_work(study):
+        return 0.0
+    num_cells = math.prod(values.size for values in study.surfaces.cell_coordinates().values())
+    has_elastic_area = "elastic_area" in list_variable_names(study) and member in find_elastic_members(study)
+    work = ELASTIC_TIME_SHARE * num_cells if has_elastic_area else 0.0
+    if study.is_areal and member - study.surfaces.first_scan_member_index < NUM_UNLOADING_MEMBERS:
+        work += UNLOADING_TIME_SHARE * min(num_cells, NUM_UNLOADING_CUTOFFS)
+    return work
+
+
+def _find_members_with_additional_work(study: Study) -> range:
+    """Return the range of members that includes all for which more than the solution and the stiffness is computed."""
+    if not (study.is_measured and study.uses_half_space) or study.contact.hardness is None:
+        return range(0)
+    num_unloading_members = study.surfaces.first_scan_member_index + NUM_UNLOADING_MEMBERS if study.is_areal else 0
+    return range(max(find_elastic_members(study).stop, num_unloading_members))
 
 
 def _estimate_adhesion_iterations(study: Study) -> float:
@@ -473,12 +565,18 @@ def estimate_solution_time(study: Study) -> float:
     additional_time = MEMBER_TIME_COEFFICIENTS["half-space" if is_areal else "half-plane"]
     if study.contact.adheres:
         return additional_time + ITERATIONS_PER_LOAD * _estimate_iteration_time(study)
+    return additional_time + _estimate_solver_time(study)
+
+
+def _estimate_solver_time(study: Study) -> float:
+    """Estimate the time (s) on one core of the solver at one load without adhesion, including the stiffness."""
+    is_areal = study.is_areal
     coefficient, exponent = SOLUTION_TIME_COEFFICIENTS[is_areal]
     num_points = count_grid_points(study)
     is_free = isinstance(study.contact, HalfSpaceSettings) and study.contact.boundary == "free"
     is_large_free_map = is_areal and is_free and num_points > MAX_POINTS_WITHIN_CACHE
     factor = TIME_FACTOR_OF_LARGE_NONPERIODIC_MAPS if is_large_free_map else 1.0
-    return additional_time + factor * coefficient * math.pow(num_points, exponent)
+    return factor * _estimate_iteration_growth(study) * coefficient * math.pow(num_points, exponent)
 
 
 def _estimate_iteration_time(study: Study) -> float:

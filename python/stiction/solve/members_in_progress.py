@@ -50,13 +50,29 @@ advance.
 class MembersInProgress:
     """Members that a run is computing, with the progress of each member and the finished steps on disk.
 
-    `estimate_iterations` returns the expected number of iterations of a member.
+    `estimate_iterations` returns the expected number of iterations of the member with a given index.
+    `estimate_mean_iterations` returns the mean of these numbers over all members that the run computes. Without this
+    function, all members count as equal work.
     """
 
-    def __init__(self, study: Study, directory: Path | None, estimate_iterations: Callable[[], float]) -> None:
+    def __init__(
+        self, study: Study, directory: Path | None, estimate_iterations: Callable[[int], float],
+        estimate_mean_iterations: Callable[[], float] | None = None,
+    ) -> None:  # fmt: skip
         self._study, self._directory, self._estimate_iterations = study, directory, estimate_iterations
+        self._estimate_mean_iterations = estimate_mean_iterations
         self._records: dict[int, SolutionRecord] = {}
-        self._finished_counts: list[int] = []
+        self._excess_work = 0.0
+        # Numbers of iterations of finished members, and their expected numbers.
+        self._finished_count, self._expected_finished_count = 0, 0.0
+
+    @cached_property
+    def _mean_iterations(self) -> float:
+        return self._estimate_mean_iterations() if self._estimate_mean_iterations else 0.0
+
+    def _get_work(self, member: int) -> float:
+        """Return the work of a member as a multiple of the mean work of all members to compute."""
+        return self._estimate_iterations(member) / self._mean_iterations if self._mean_iterations else 1.0
 
     @cached_property
     def _steps_key(self) -> str:
@@ -75,21 +91,26 @@ class MembersInProgress:
         """Remove the records and the step files of members whose results are stored in a block."""
         for member in members:
             if record := self._records.pop(member, None):
-                self._finished_counts.append(record.counter.count)
+                self._excess_work += self._get_work(member) - 1
+                if record.counter.count > 0:
+                    self._finished_count += record.counter.count
+                    self._expected_finished_count += self._estimate_iterations(member)
         if self._directory is not None:
             remove_stored_steps(self._directory, members)
 
     def estimate_progress(self) -> float:
-        """Estimate the progress of all members in computation, as the sum of their finished fractions."""
-        if not self._records:
-            return 0.0
-        iteration_counts = [count for count in self._finished_counts if count > 0]
-        expected_iterations = (
-            sum(iteration_counts) / len(iteration_counts) if iteration_counts else self._estimate_iterations()
-        )
-        return sum(
-            _estimate_finished_fraction(record.counter.count / max(expected_iterations, 1.0))
-            for record in list(self._records.values())
+        """Estimate the finished work beyond the number of finished members, in units of a member's mean work.
+
+        The first members take more work than the others. When they are finished, more work is finished than their
+        number says; this excess is 0 when all members are finished.
+        """
+        correction = self._finished_count / self._expected_finished_count if self._expected_finished_count > 0 else 1.0
+        return self._excess_work + sum(
+            self._get_work(member)
+            * _estimate_finished_fraction(
+                record.counter.count / max(correction * self._estimate_iterations(member), 1.0)
+            )
+            for member, record in list(self._records.items())
         )
 
 

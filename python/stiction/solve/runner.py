@@ -35,7 +35,13 @@ from stiction.solve.layout import (
     compute_bytes_per_member,
     stack_members,
 )
-from stiction.solve.member_solution import compute_member_arrays, estimate_member_iterations, estimate_member_time
+from stiction.solve.member_solution import (
+    compute_member_arrays,
+    estimate_member_iterations,
+    estimate_member_time,
+    estimate_thread_time_factor,
+    sum_over_members,
+)
 from stiction.solve.member_sums import MemberSums
 from stiction.solve.members_in_progress import MembersInProgress, remove_stored_steps
 from stiction.solve.store import (
@@ -161,7 +167,7 @@ def complete_blocks(
     remove_stored_steps(stored_result.path, stored_result.finished_members)
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(executor_or_thread_pool(executor))
-        members_in_progress = _create_members_in_progress(stored_result.study, stored_result.path)
+        members_in_progress = _create_members_in_progress(stored_result.study, stored_result.path, unfinished_members)
         advance = stack.enter_context(
             progress_bar(
                 stored_result.study.member_names.plural,
@@ -184,8 +190,19 @@ def complete_blocks(
     return stored_result
 
 
-def _create_members_in_progress(study: Study, directory: Path | None) -> MembersInProgress:
-    return MembersInProgress(study, directory, functools.partial(estimate_member_iterations, study))
+def _create_members_in_progress(
+    study: Study, directory: Path | None, unfinished_members: _UnfinishedMembers | None = None
+) -> MembersInProgress:
+    def estimate_mean_iterations() -> float:
+        assert unfinished_members is not None
+        return sum_over_members(estimate_member_iterations, study, unfinished_members) / unfinished_members.count
+
+    return MembersInProgress(
+        study,
+        directory,
+        functools.partial(estimate_member_iterations, study),
+        None if unfinished_members is None else estimate_mean_iterations,
+    )
 
 
 def _compute_blocks(
@@ -208,14 +225,16 @@ def _compute_blocks(
         members_in_progress.remove(members)
         advance(len(members))
         if is_first and update is not None and num_workers is not None:
-            is_first = False
+            is_first, study = False, stored_result.study
+            time_factor = estimate_thread_time_factor(study) if num_workers > 1 else 1.0
             estimate = _format_revised_time_estimate(
-                stored_result.study,
+                study,
                 unfinished_members,
                 len(members),
                 time.monotonic() - start_time,
                 num_workers,
-                estimate_member_time(stored_result.study),
+                time_factor * sum_over_members(estimate_member_time, study, [members]) / len(members),
+                time_factor * sum_over_members(estimate_member_time, study, unfinished_members),
             )
             if estimate:
                 update(estimate)
@@ -294,7 +313,7 @@ def _run_in_memory(study: Study, executor: Executor | None, progress: bool) -> x
 
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(executor_or_thread_pool(executor))
-        members_in_progress = _create_members_in_progress(study, None)
+        members_in_progress = _create_members_in_progress(study, None, unfinished_members)
         advance = stack.enter_context(
             progress_bar(
                 study.member_names.plural, unfinished_members.total, 0, progress, members_in_progress.estimate_progress
@@ -325,8 +344,9 @@ def _describe_remaining_work(
     result_bytes = unfinished_members.count * compute_bytes_per_member(study)
     space_text = f", with {format_bytes(free_bytes)} free" if result_bytes > free_bytes / 2 else ""
     writer_text = "" if is_visible else "; the workers cannot reach the directory, so this process writes the files"
-    seconds = unfinished_members.count * estimate_member_time(study)
-    elapsed_time = seconds / min(workers, unfinished_members.count)
+    seconds = sum_over_members(estimate_member_time, study, unfinished_members)
+    num_threads = min(workers, unfinished_members.count)
+    elapsed_time = seconds / num_threads * (estimate_thread_time_factor(study) if num_threads > 1 else 1.0)
     time_text = f"about {format_duration(seconds)} of one core"
     time_text += (
         f", {format_duration(elapsed_time)} on {workers} threads"
@@ -350,14 +370,19 @@ MIN_TIME_RATIO_FOR_NEW_ESTIMATE = 1.5
 
 
 def _format_revised_time_estimate(
-    study: Study, unfinished_members: _UnfinishedMembers, members: int, seconds: float, workers: int, cost: float
-) -> str:
+    study: Study, unfinished_members: _UnfinishedMembers, members: int, seconds: float, workers: int, cost: float,
+    total_cost: float | None = None,
+) -> str:  # fmt: skip
     """Return a line with a new estimate of the remaining time, made after the first block.
 
-    The line is empty if little time remains, or if the first estimate was not too low.
+    `members` members took `seconds`, instead of the estimated time `cost` (s) per member. `total_cost` is the estimated
+    time of all unfinished members, by default that of equal members. The line is empty if little time remains, or if
+    the first estimate was not too low.
     """
-    remaining_time = seconds * (unfinished_members.count / (members * workers) - 1)
-    if remaining_time < MIN_REPORTED_TIME or seconds < MIN_TIME_RATIO_FOR_NEW_ESTIMATE * members * cost:
+    expected_seconds = members * cost
+    total_cost = unfinished_members.count * cost if total_cost is None else total_cost
+    remaining_time = seconds * (total_cost / (expected_seconds * workers) - 1)
+    if remaining_time < MIN_REPORTED_TIME or seconds < MIN_TIME_RATIO_FOR_NEW_ESTIMATE * expected_seconds:
         return ""
     count_text = study.member_names.with_count(unfinished_members.count)
     progress_text = f"{members} of {count_text} took {format_duration(seconds)}"
