@@ -1,4 +1,4 @@
-"""Evaluation of friction and other quantities at given loads, which may be elastic, normal or mean normal loads.
+"""Evaluation of friction, contact area and other quantities of a result at given loads, with 95 % intervals.
 
 *mean*: the mean normal load of the ensemble equals the given load, and coefficients are ratios of mean loads, as in the
 figures of the paper. *elastic*: the elastic load of each member, before any contact slides, equals the given load.

@@ -103,7 +103,7 @@ def add_uncertainty(
 
 
 def evaluate_alternatives(result: MemberSums, at: xarray.Dataset) -> dict[AlternativeName, xarray.Dataset]:
-    """Evaluate alternative preparations of the scans at the loads, mu0 and tau0 of a dataset.
+    """Evaluate friction for each alternative preparation of the scans, at every load, mu0 and tau0 in a dataset.
 
     The datasets of the last call are cached.
     """
@@ -146,7 +146,7 @@ def is_tested_pair(study: Study, strength: InterfaceStrength | None) -> bool:
 
 
 def predict_coefficient(result: MemberSums, load: float, strength: InterfaceStrength) -> ValueWithLimits:
-    """Predict the coefficient of a measured pair at a load (mN), with the combined interval, for a given interface.
+    """Predict the friction coefficient of a measured pair and its combined interval, from an interface and a load (mN).
 
     The number and its interval are those of `pair` with this interface. The sliding rule is the rule under which mu0
     and tau0 were fitted. The fitted α of junction growth is used if the interface was calibrated with the junction
@@ -163,7 +163,7 @@ def predict_coefficient(result: MemberSums, load: float, strength: InterfaceStre
 
 
 def _evaluate_with_interface_strength(result: MemberSums, load: float, strength: InterfaceStrength) -> Floats:
-    """Return the coefficient at a load (mN) and its combined interval, without alternative scan preparations."""
+    """Return the friction coefficient and combined interval that a pair has with an interface, at one load (mN)."""
     fit, study = strength.fits[0], result.study
     mu0, tau0 = round_median_strength(strength)
     changes: dict[str, Any] = {"friction.interface": None, "friction.mu0": [mu0], "friction.tau0": [f"{tau0!r} GPa"]}
@@ -186,7 +186,7 @@ def _evaluate_with_interface_strength(result: MemberSums, load: float, strength:
 def _add_own_uncertainty(
     at: xarray.Dataset, result: MemberSums, *, budget: bool, tests: bool, strength: InterfaceStrength | None = None
 ) -> xarray.Dataset:
-    """Add combined intervals and budget to a dataset; alternative preparations of the scans are not included.
+    """Add combined intervals and the uncertainty budget for one preparation of the scans to a dataset.
 
     If given, `strength` replaces the interface of the study.
     """
@@ -308,7 +308,7 @@ _UncertainInputsAndStrengthSamples = tuple[dict[str, StudyInput], list[JointSamp
 def find_inputs_and_strengths(
     study_inputs: Inputs, strength: InterfaceStrength | None = None, pair_checksum: str = ""
 ) -> _UncertainInputsAndStrengthSamples:
-    """Return a study's uncertain inputs and, for a calibrated interface, joint samples of mu0, tau0 and shared inputs.
+    """Return the uncertain inputs of a study, and samples of mu0, tau0 and shared inputs for its calibrated interface.
 
     The joint samples contain each input that also affected the tests of the interface, because its error is the same in
     the tests and in the pair. If both give the input ranges with the same central value, the narrower range applies.
@@ -331,7 +331,7 @@ def find_inputs_and_strengths(
 
 
 def _label_interface(study_inputs: Inputs, joint_samples: JointSamples) -> str:
-    """Return the label of a calibrated interface in the budget, including the inputs that its samples also contain."""
+    """Return the label of an interface in the uncertainty budget, with the names of inputs sampled together with it."""
     names = sorted(joint_samples.inputs, key=lambda name: name != "hardness")
     labels = [study_inputs.uncertain[name].label for name in names]
     if len(labels) > MAX_NAMED_SHARED_INPUTS:
@@ -340,7 +340,7 @@ def _label_interface(study_inputs: Inputs, joint_samples: JointSamples) -> str:
 
 
 def find_slope_drifts(attributes: Mapping[str, Any]) -> dict[str, float]:
-    """Return the standard deviation of ln(rms slope of the gap) due to drift, for each body with a single scan.
+    """Return, for bodies with a single scan, the standard deviation of ln(rms slope of the gap) due to roughness drift.
 
     The keys name the body with a single scan: upper scans or lower scans. The slope at another place on a body is
     assumed to differ by as much as the slopes at the two ends of the scan.
@@ -352,7 +352,7 @@ def find_slope_drifts(attributes: Mapping[str, Any]) -> dict[str, float]:
 def _average_pairs_of_scans(
     result: MemberSums, at: xarray.Dataset, dims: Sequence[str]
 ) -> dict[tuple[int, ...], ScanPairMean | None]:
-    """Average each coefficient over all pairs of an upper and a lower scan; return means with variance components.
+    """Average each friction coefficient over all pairs of scans, and return each mean with its variance components.
 
     The components are the variances due to upper scans, lower scans and positions. The result is empty for a single
     pair of scans.
@@ -368,7 +368,7 @@ def _average_pairs_of_scans(
 
 
 class _QuantitiesWithCombinedIntervals:
-    """Combined intervals of the quantities other than friction, such as true area and stiffness.
+    """Combined intervals of all quantities other than the friction coefficient, such as true area and stiffness.
 
     Each friction coefficient widens these intervals in turn.
     """
@@ -382,7 +382,7 @@ class _QuantitiesWithCombinedIntervals:
                 self.tables[name] = own_dims, arrange_axes(variable, own_dims).copy()
 
     def add_intervals(self, position: tuple[int, ...], intervals: CombinedIntervals) -> None:
-        """Store the combined intervals of all quantities at the array indices `position` of one coefficient."""
+        """Store the combined intervals of all quantities for the coefficient with the array indices `position`."""
         indices = dict(zip(self._dims, position, strict=True))
         estimates, positions = {}, {}
         for name, (dims, values) in self.tables.items():
@@ -405,7 +405,7 @@ def _iterate_intervals(
     inputs_by_strength: Mapping[tuple[float, float], _UncertainInputsAndStrengthSamples],
     scan_means: Mapping[tuple[int, ...], ScanPairMean | None], drifts: Mapping[str, float],
 ) -> Iterator[tuple[tuple[int, ...], CombinedIntervals]]:  # fmt: skip
-    """Yield the array indices (along `dims`) and the combined intervals of each friction coefficient in a dataset.
+    """Yield the combined intervals for each friction coefficient in a dataset, with the coefficient's array indices.
 
     `inputs_by_strength` contains the results of `find_inputs_and_strengths` by mu0 and tau0.
     """
@@ -470,7 +470,7 @@ def _iterate_intervals(
 
 
 def _estimate_area_errors(adhesive_sums: Floats, axis: int, **_: Any) -> Floats:
-    """Return the relative standard error of the mean true area, from the members' adhesive sums along `axis`."""
+    """Return the relative standard error of the mean true area, estimated from the scatter of areas between members."""
     return np.apply_along_axis(lambda sums: estimate_area_error(sums[np.isfinite(sums)]), axis, adhesive_sums)
 
 
@@ -583,7 +583,7 @@ def _extend_estimates(estimates_to_widen: Floats, included_estimates: Iterable[F
 def _get_arrays_over_dims(
     variables: Mapping[str, Any], at: xarray.Dataset, dims: Sequence[str]
 ) -> dict[str, NDArray[Any]]:
-    """Convert dataset variables to arrays whose first axes are the dimensions `dims`.
+    """Convert dataset variables to arrays whose first axes correspond, in order, to the dimensions in `dims`.
 
     Variables that lack a dimension are constant along it. The arrays are much faster to index than variables.
     """
@@ -600,7 +600,7 @@ def _get_arrays_over_dims(
 def _get_combined_coefficients(
     at: xarray.Dataset, study: Study, dims: Sequence[str], known_intervals: Floats
 ) -> Floats:
-    """Return the reported coefficients with combined intervals: value, lower limit and upper limit on the last axis."""
+    """Return the reported coefficients as an array whose last axis contains value, lower limit and upper limit."""
     combined_friction = arrange_axes(at.variables["mean_friction"], (*dims, "statistic")).copy()
     lower_limits = combined_friction[..., 1]
     combined_friction[..., 1] = np.where((lower_limits < 0) & (combined_friction[..., 0] >= 0), 0.0, lower_limits)

@@ -136,7 +136,7 @@ def compute_quantity_ratios(
 
 @dataclass(frozen=True)
 class _InputSamples:
-    """Random samples of uncertain inputs (probabilities and values) and of sampling errors (normal deviates)."""
+    """Random samples of uncertain inputs (probabilities and values) and of errors of means over scans and positions."""
 
     probabilities: dict[str, Floats]
     scores: dict[str, Floats]
@@ -160,7 +160,7 @@ class InputSampler:
     def draw_samples(
         self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
     ) -> _InputSamples:
-        """Return samples of the named inputs and sampling errors, drawn in the first call and cached.
+        """Return samples of the uncertainty sources in `names`, which are drawn once and then cached.
 
         Inputs in `fixed` have the value at the given quantile.
         """
@@ -298,7 +298,7 @@ class CombinedIntervals:
         )
 
     def _split_relative_error_by_source(self, lower: float, upper: float, value: float) -> dict[str, float]:
-        """Split the relative standard error of a mean by source: upper scans, lower scans and positions.
+        """Split the relative standard error of a mean into three errors, due to upper scans, lower scans and positions.
 
         Zeros are omitted.
         """
@@ -317,7 +317,7 @@ class CombinedIntervals:
         }
 
     def _find_test_scatter(self, point: Mapping[str, Any]) -> tuple[float, float]:
-        """Return the relative standard deviation of the coefficients of single tests, and its degrees of freedom.
+        """Return the relative standard deviation of friction coefficients in single tests, and its degrees of freedom.
 
         A single test is a test of one new member in one direction.
         """
@@ -331,7 +331,7 @@ class CombinedIntervals:
     # ---- Friction ----------------------------------------------------------------------------------------------------
 
     def estimate_zero_coefficient(self) -> tuple[float, float, float]:
-        """Return the coefficient and its 95 % interval if the coefficient is 0 at the central inputs, else NaN.
+        """Return coefficient and 95 % limits if the friction coefficient is 0 at the central inputs, or NaN otherwise.
 
         Relative errors of such a coefficient are undefined. Therefore, the interval is computed from samples of mu0 and
         tau0. It contains the coefficient and the interval of its mean, and its lower limit is at least 0. The result is
@@ -353,7 +353,7 @@ class CombinedIntervals:
         return value, max(lower_limit, 0.0), upper_limit
 
     def interval(self, fixed: Mapping[str, float] = _NO_FIXED_INPUTS) -> Interval:
-        """Return the combined 95 % interval of the coefficient; inputs in `fixed` are held at the given probabilities.
+        """Return the combined 95 % interval of the friction coefficient. Each input in `fixed` is kept at one quantile.
 
         The interval contains the coefficient. Unless `fixed` contains these sources, it also contains the interval of
         the mean and the range of coefficients for finer scans.
@@ -424,7 +424,7 @@ class CombinedIntervals:
 
     @cached_property
     def _next_test_samples(self) -> list[tuple[Floats, Floats]]:
-        """Samples of the coefficient that one further test in one direction would measure, and of its upper limit.
+        """Samples of the friction coefficient in one further test, and samples of an upper limit of this coefficient.
 
         Student's t distribution applies to the logarithm of the coefficient, so that the coefficient is above 0. The
         test is at another place of a body whose roughness drifts, so that the drift counts twice. The list has one pair
@@ -457,7 +457,7 @@ class CombinedIntervals:
     # ---- Other quantities --------------------------------------------------------------------------------------------
 
     def widen_quantity_intervals(self, estimates: Mapping[str, Floats]) -> dict[str, Floats]:
-        """Replace the intervals of the mean of contact quantities by combined intervals, which cover uncertain inputs.
+        """Replace the intervals of contact quantities by wider intervals, which also cover uncertain inputs.
 
         `estimates` contains the mean and the interval of the mean of each quantity, by name. An interval that cannot be
         computed stays an interval of the mean.
@@ -503,10 +503,10 @@ class CombinedIntervals:
         return self._compute_interval_of_samples(fixed)
 
     def _compute_interval_of_samples(self, fixed: Mapping[str, float], dwell_time: float = 1.0) -> Interval:
-        """Return the 95 % interval of coefficient samples, widened to include the intervals for mu0 = 0 or tau0 = 0.
+        """Return the 95 % interval of the friction coefficient, computed from random samples of the uncertain inputs.
 
-        The interval is cached for further evaluations of the same coefficient, possibly together with other
-        coefficients.
+        For a calibrated interface, the interval includes the intervals for mu0 = 0 and for tau0 = 0. It is cached for
+        further evaluations of the same coefficient, possibly together with other coefficients.
         """
         response = self.response
         # The cache key is rounded to 12 decimals, because further digits depend on the other coefficients in the array.
@@ -526,19 +526,19 @@ class CombinedIntervals:
 
     @property
     def _coverages(self) -> list[float]:
-        """Coverages, such as 0.95, of the intervals computed from each set of joint samples in `strengths`."""
+        """Fractions of samples, such as 0.95, that intervals contain: one fraction for each entry in `strengths`."""
         return [each.coverage for each in self.strengths] or [INTERVAL_COVERAGE]
 
     @property
     def _intervals_without_upper_limit(self) -> list[Interval]:
-        """List with the interval [value, ∞) if friction at the central inputs has no upper limit; empty otherwise."""
+        """List with one interval [value, ∞) if friction has no upper limit at the central inputs, or an empty list."""
         return [Interval(self.value, math.inf)] if self._central.has_no_upper_limit else []
 
     def _sample_all_strengths(
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, factor: Floats | float = 1.0,
         drift_factor: float = 1.0,
     ) -> list[tuple[Floats, Floats]]:  # fmt: skip
-        """Return samples of the coefficient and of its upper limit, as one pair of arrays per set of joint samples.
+        """Return samples of the friction coefficient and its upper limit: one pair of arrays per entry in `strengths`.
 
         All samples are multiplied by `factor`.
         """
@@ -549,7 +549,7 @@ class CombinedIntervals:
     def _sample_friction(
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, strength_index: int = 0, drift_factor: float = 1.0
     ) -> tuple[Floats, Floats]:
-        """Return samples of the coefficient, and samples of the coefficient's upper limit, which may be infinite.
+        """Return samples of the friction coefficient, and for each sample an upper limit, which may be infinite.
 
         `strength_index` selects an entry of `strengths`, if there are any. If unresolved roughness may change the
         coefficient, the samples are spread between the lowest and the highest coefficient for finer scans.
@@ -583,7 +583,7 @@ class CombinedIntervals:
         self, inputs: InputValues, names: tuple[str, ...], fixed: Mapping[str, float] = _NO_FIXED_INPUTS,
         dwell_time: float = 1.0, drift_factor: float = 1.0,
     ) -> tuple[AreasBeforeShear | None, Any]:  # fmt: skip
-        """Return true areas before shear and yield pressures for each input sample, computed once and then cached.
+        """Return the true area before shear and the yield pressure for each input sample. Both arrays are cached.
 
         Returns None for both with a calibrated interface.
 
@@ -624,7 +624,7 @@ class CombinedIntervals:
     def _insert_interface_samples(
         self, inputs: InputValues, samples: _InputSamples, strength_index: int
     ) -> InputValues:
-        """Replace independent samples of mu0 and tau0 by samples of their joint distribution.
+        """Return inputs in which joint samples of mu0 and tau0 from a calibrated interface replace independent samples.
 
         The joint samples are sorted by the coefficient that they give, so quantiles of the joint samples are also
         quantiles of the coefficient.
@@ -653,7 +653,7 @@ class CombinedIntervals:
 
 @lru_cache(maxsize=8)
 def _compute_test_scores(freedom: float, num_dimensions: int) -> Floats:
-    """Return stratified samples of Student's t distribution, from the last coordinate of stratified sample points."""
+    """Return stratified samples from Student's t distribution with `freedom` degrees of freedom."""
     from scipy.special import stdtrit
 
     return make_read_only(np.asarray(stdtrit(freedom, generate_stratified_points(num_dimensions)[:, -1])))
@@ -713,7 +713,7 @@ def compute_quantiles(
 def _find_quantiles(
     probabilities: Floats, values: NDArray[Any], axis: int | None, method: Literal["inverted_cdf", "linear"]
 ) -> Floats:
-    """Return the same quantiles as `numpy.quantile`; without `axis`, in a fifth of the time.
+    """Return the same quantiles as `numpy.quantile`, but compute quantiles of a whole array about five times as fast.
 
     `numpy.partition` uses SIMD instructions only for a single index, and `numpy.quantile` passes several indices.
     """
@@ -745,7 +745,7 @@ def _interpolate_quantile(probability: float, values: NDArray[Any]) -> float:
 
 
 def extend_percentiles(percentiles: Floats, other_percentiles: Iterable[Floats]) -> Floats:
-    """Move the outer percentiles of the coefficient outwards to enclose the percentiles of other samples.
+    """Lower the low percentiles and raise the high percentiles of the coefficient to enclose those of other samples.
 
     The median, and missing percentiles, are kept. NaN in the other percentiles is ignored.
     """

@@ -1,4 +1,4 @@
-"""True area of a pair as a function of load, hardness, E* and the exponent of yielding contacts.
+"""True contact area of a pair as a function of the load, the hardness, E* and the exponent for yielding contacts.
 
 Elastic areas at all loads suffice for this: the area of contacts that yield follows from the elastic area at the same
 load, and by similarity, the elastic area at (F, e E*) equals the area at (F/e, E*). The *capped area* is that of the
@@ -88,7 +88,7 @@ class AreaFunction:
         return measured_hardness * size_effect_factor(size_effect, depth, self.indent)
 
     def elastic_area(self, load: ArrayLike, modulus: ArrayLike = 1.0) -> Floats:
-        """Return the true area (µm²) if the bodies are elastic, at a load (mN) and with E* times the factor `modulus`.
+        """Return the true area (µm²) of elastic bodies at a load (mN), with E* multiplied by the factor `modulus`.
 
         Above and below the computed loads, the area is proportional to the load.
         """
@@ -134,7 +134,7 @@ class AreaFunction:
     def _compute_area_at_pressure(
         self, pressure: Floats | None, load: ArrayLike, elastic_area: Floats, yield_exponent: ArrayLike | None
     ) -> Floats:
-        """Return the true area (µm²) of contacts that yield at `pressure` (GPa), or the elastic area for None."""
+        """Return the true area (µm²) of contacts that yield at `pressure` (GPa). For None, return the elastic area."""
         if pressure is None:
             return elastic_area
         exponent = self.yield_exponent if yield_exponent is None else yield_exponent
@@ -162,7 +162,7 @@ class AreaFunction:
 
 @dataclass(frozen=True, eq=False)
 class _SolvedAreas:
-    """True areas (µm²) that a result stores, averaged over members, as arrays (cutoffs, loading steps)."""
+    """True contact areas (µm²) stored in a result, averaged over members, for each cutoff and each loading step."""
 
     all_members: Floats
     elastic_members: Floats
@@ -171,7 +171,7 @@ class _SolvedAreas:
 
 
 def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
-    """Average the stored true areas over all members made from scans or, if there are none, over the surrogates."""
+    """Average the stored true areas over all members cut from scans or, without such members, over the surrogates."""
     study = result.study
     has_elastic_areas = study.contact.yield_exponent is not None
     first_index = study.surfaces.first_scan_member_index
@@ -203,7 +203,7 @@ def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
 
 
 def build_area_functions(result: MemberSums) -> list[AreaFunction]:
-    """Return the true area as a function of load and inputs, one function for each cutoff of a result."""
+    """Return functions that compute the true area from load and inputs: one function for each cutoff of a result."""
     study, areas = result.study, result.compute_once(_average_solved_areas)
     contact, loads = study.contact, study.contact.loading_steps()
     nominal_area = float(result.head["nominal_area"])
@@ -241,7 +241,7 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
 def compute_onset_area_and_friction_factors(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats
 ) -> tuple[Floats, Floats]:
-    """Return how shear changes the contacts until the onset of sliding: true area growth and friction fraction.
+    """Return the factors by which shear changes true area and friction force before the contacts slide.
 
     The growth is the true area divided by the area before shear. The friction fraction is
     `OnsetState.friction_fraction`. Both arrays have the shape (cells, loads, mu0, tau0). The growth is infinite at
@@ -260,7 +260,7 @@ def compute_onset_area_and_friction_factors(
 
 
 def _estimate_contact_depths(result: MemberSums) -> Floats | None:
-    """Return the depth (µm) of indentations as large as the mean contact, as an array (cutoffs, loading steps).
+    """Return the depth (µm) of an indentation with the mean area of a contact, for each cutoff and each loading step.
 
     Returns None if the depth of the indentation that measured the hardness is unknown. The contacts have the true area
     at the measured hardness.
@@ -276,14 +276,14 @@ def _estimate_contact_depths(result: MemberSums) -> Floats | None:
 
 
 def _average_contact_loads(result: MemberSums) -> Floats | None:
-    """Return the mean load (mN) on the contacts (load plus attraction), as an array (cutoffs, loading steps)."""
+    """Return the load (mN) plus the attraction, averaged over members, as an array (cutoffs, loading steps)."""
     if "contact_load" not in result.head.variables:
         return None
     return np.asarray(result.means(["contact_load"])["contact_load"].transpose("cut_off", "load").values)
 
 
 def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
-    """Estimate the areas (µm²) of elastic contacts, for a result whose contact pressure is limited to the hardness.
+    """Estimate the true areas (µm²) that elastic bodies would have, for a result in which hardness limits the pressure.
 
     The estimate A = κ F/(E* h') holds for small loads. Surfaces that fit perfectly are in complete contact.
     """
@@ -319,7 +319,7 @@ def compute_exponents(loads: Floats, values: Floats) -> Floats:
 
 
 def compute_yield_factors(result: MemberSums) -> Floats | None:
-    """Return the true area of yielding contacts divided by the stored area, as an array (cutoffs, loading steps).
+    """Return the ratio of the true area of yielding contacts to the stored area, for each cutoff and each loading step.
 
     The stored area is that of contacts whose pressure is limited to the hardness. Returns None if both areas are equal,
     because the bodies are elastic or the result has no elastic areas.
@@ -334,7 +334,7 @@ def compute_yield_factors(result: MemberSums) -> Floats | None:
 
 
 def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
-    """Return the true area of contacts with a given hardness (GPa), divided by the stored area."""
+    """Return the ratio of the true area of contacts with a given hardness (GPa) to the stored area."""
     contact: Any = result.study.contact
     areas, loads = result.compute_once(_average_solved_areas), contact.loading_steps()
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -353,7 +353,7 @@ def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
 
 
 def iterate_pieces_with_true_areas(result: MemberSums, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-    """Yield the members in groups; the contact areas in each group are the true areas of yielding contacts.
+    """Yield the members in groups, with the true area of yielding contacts instead of the stored contact area.
 
     The scaled sums are `AREA_PROPORTIONAL_SUM_NAMES`. All other sums are those of the half-space solution.
     """

@@ -1,4 +1,4 @@
-"""Means over an ensemble: friction as the ratio of mean loads, and other quantities at given loads."""
+"""Ensemble means at given loads. Friction is the mean tangential load divided by the mean normal load."""
 
 from __future__ import annotations
 
@@ -111,7 +111,10 @@ def _evaluate_direction_groups(
 
 
 def _average_unloaded_members(result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats) -> dict[str, Any]:
-    """Average over members at zero load: pull-off force, fraction of pull-off forces that are bounds, and friction."""
+    """Average pull-off force and friction at zero external load over the members.
+
+    A further mean is the fraction of the members whose pull-off force is only a lower bound.
+    """
     import xarray
 
     variables = {}

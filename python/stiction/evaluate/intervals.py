@@ -66,7 +66,7 @@ class LoadCrossings:
 
     @classmethod
     def from_curves(cls, curve: Floats, loads: Floats, *, interpolates_ratio: bool = False) -> LoadCrossings:
-        """Find the crossings at which load curves first reach requested loads, by linear interpolation between steps.
+        """Find the positions on load curves at which each curve first reaches each requested load, between two steps.
 
         The curves have the shape (..., k), and the loads have the shape (l,). With `interpolates_ratio`, the ratio of a
         quantity to the load is interpolated over the logarithm of the load. A load between two steps is then reached
@@ -99,7 +99,7 @@ class LoadCrossings:
         return cls(index, fraction, reached, ~reached & is_at_least_load[..., 0, :])
 
     def without_crossings_after_nan(self, curve: Floats, loads: Floats) -> LoadCrossings:
-        """Remove the crossings between a loading step at which `curve` is NaN and the following loading step."""
+        """Remove each crossing that follows a NaN in `curve`, unless the curve equals the load at the next step."""
         value_before, value_at_crossing = self._get_bracketing_values(curve)
         return replace(self, reached=self.reached & (np.isfinite(value_before) | (value_at_crossing == loads)))
 
@@ -148,7 +148,7 @@ class LoadCrossings:
         return self.scale[1]
 
     def interpolate_with_slopes(self, values: Floats, slopes: Floats) -> tuple[Floats, Floats]:
-        """Interpolate an increasing quantity and its derivative with respect to ln(load), by cubics between load steps.
+        """Interpolate an increasing quantity and its derivative d/d ln(load) by cubics, at the requested loads.
 
         The arrays have the shape (..., k), and the results have the shape (..., l). The crossings must have been found
         with `interpolates_ratio`. Between two loading steps, slopes are limited so that the cubic increases (Fritsch &
@@ -225,7 +225,7 @@ class LoadCrossings:
 
 
 class MeansAtLoads:
-    """Means of quantities at given mean normal loads, with jackknife intervals.
+    """Means of quantities over repetitions at given mean normal loads, with jackknife intervals.
 
     The method is described in docs/explanation/intervals.md. Let v be the quantity and n the normal load of each
     repetition at the crossing, and e the exponent of the mean curve, mean(v) ~ mean(n)^e. If one repetition is omitted,
@@ -250,7 +250,7 @@ class MeansAtLoads:
         self._num_carrying = np.zeros(normal.shape[0], np.intp)
 
     def add_repetitions(self, normal: Floats, quantities: Sequence[Floats]) -> None:
-        """Add further repetitions to the jackknife sums, from arrays with the shape (curves, steps, repetitions)."""
+        """Add further repetitions, as arrays (curves, steps, repetitions), to the sums for the jackknife intervals."""
         self._num_carrying += np.count_nonzero(normal.any(axis=1), axis=1)
         points = {"curve": self._curve, "step": self._index, "fraction": self._fraction, "load": self._load}
         for quantity, values in zip(self._quantities, quantities, strict=True):
@@ -286,7 +286,7 @@ class MeansAtLoads:
 
 
 class _QuantityAtLoads:
-    """Mean of one quantity at each requested load, with the sums for its jackknife interval."""
+    """Mean of one quantity at each requested load, with the power sums that determine its jackknife interval."""
 
     def __init__(self, mean: Floats, slope: Floats, load: Floats, num_curves: int) -> None:
         self.mean, self._slope, self._load = mean, slope, load
@@ -297,7 +297,7 @@ class _QuantityAtLoads:
     def add_repetitions(
         self, normal: Floats, values: Floats, points: Mapping[str, NDArray[Any]], total_repetitions: int
     ) -> None:
-        """Add further repetitions to the jackknife sums, from arrays with the shape (curves, steps, repetitions)."""
+        """Add further repetitions, as arrays (curves, steps, repetitions), to the sums for the jackknife intervals."""
         self.has_negative_values |= (values < 0).any(axis=(1, 2))
         power_sums = _core.jackknife_sums(
             normal, values, **points, mean=self.mean, slope=self._slope, total_repetitions=total_repetitions
@@ -369,7 +369,7 @@ class PowerSums:
 
 
 def _fit_slopes(quantities: Sequence[Floats], normal: Floats, index: NDArray[np.intp]) -> list[Floats]:
-    """Return d(quantity)/d(normal load) near given loading steps, as the slopes of fitted straight lines.
+    """Return d(quantity)/d(normal load) at given loading steps, as slopes of straight lines fitted to nearby steps.
 
     Quantities and loads have the shape (p, k), and the indices of the loading steps have the shape (p,).
     """
@@ -381,7 +381,7 @@ def _fit_slopes(quantities: Sequence[Floats], normal: Floats, index: NDArray[np.
     count = is_inside.sum(axis=1, keepdims=True)
 
     def compute_deviations(curves: Floats) -> Floats:
-        """Return curves minus their means over a window of loading steps, with 0 outside the window."""
+        """Return each curve minus its mean over the loading steps of the fit, and 0 outside these steps."""
         values = np.where(is_inside, np.take_along_axis(curves, window_indices, axis=1), 0.0)
         return np.where(is_inside, values - values.sum(axis=1, keepdims=True) / count, 0.0)
 
@@ -430,7 +430,7 @@ def interval_around_mean(mean: ArrayLike, half_width: ArrayLike, is_signed: Arra
 
 @lru_cache(maxsize=32)
 def _compute_mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
-    """Return constants for the interval of a mean of `count` values, for each tabulated correlation of neighbours.
+    """Return the constants that determine the interval of a mean of `count` values, if neighbours are correlated.
 
     With the correlation matrix R of the values, the constants are 1' R^-1 1, the variance of the mean relative to that
     of a value, and the two-sided 95 % quantile and the peak density of Student's t distribution.
@@ -466,7 +466,7 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
-    """Return the limits of the interval of each row's mean, for values that are correlated with their neighbours.
+    """Return the interval limits of the mean of each row, if numbers in a row are correlated with their neighbours.
 
     Returns NaN for rows of equal values.
 
@@ -516,7 +516,7 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
 
 
 def average_line_means(values: Floats, lines: NDArray[np.intp]) -> tuple[Floats, Floats, Floats]:
-    """Average a quantity over the positions on each line; return the mean over lines with its 95 % interval."""
+    """Average a quantity over the positions on all lines, and return the mean with its 95 % interval."""
     if not values.shape[0]:
         return tuple(np.full(values.shape[1:], np.nan) for _ in range(3))  # type: ignore[return-value]
     _, first_indices, index = np.unique(lines, return_index=True, return_inverse=True)

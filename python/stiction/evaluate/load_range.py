@@ -60,12 +60,12 @@ def replace_zero_load(result: MemberSums, loads: Floats) -> Floats:
 
 
 def find_negligible_load(result: MemberSums) -> float:
-    """Return a load (mN) that is negligible against the pull-off force: if possible, the smallest loading step."""
+    """Return a load (mN) that is negligible compared with the pull-off force, if possible the smallest loading step."""
     negligible_load = NEGLIGIBLE_LOAD_RATIO * min(_average_pull_off_by_piece(result))
     smallest_step = float(result.study.contact.loading_steps()[0])
     return smallest_step if smallest_step < negligible_load else 0.1 * negligible_load
 
 
 def _average_pull_off_by_piece(result: MemberSums) -> list[float]:
-    """Return the mean pull-off force (mN) of the members in each group that is read into memory at once."""
+    """Return the mean pull-off force (mN) of each group of members that is read into memory together."""
     return [float(np.nanmean(piece["pull_off"].values)) for piece in result.pieces(["pull_off"])]

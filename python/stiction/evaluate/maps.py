@@ -1,4 +1,4 @@
-"""Ensemble means and their intervals at given loads, interpolated between approaches or loads.
+"""Means of friction and contact quantities over an ensemble of surface pairs, interpolated at given normal loads.
 
 An ensemble value at a load is a ratio of means over the repetitions, not a mean of ratios. Repetitions without contact
 count as zeros. A load is reached where mean(F_N), interpolated linearly between the steps, first exceeds the load;
@@ -213,7 +213,7 @@ def stiffness_map(
 
 
 def find_cell_dimensions(dataset: xarray.Dataset) -> list[str]:
-    """Return the dimensions of a dataset that distinguish its cells: fractal dimension, amplitude, or cutoff."""
+    """Return the dimensions of a dataset that specify surfaces: fractal dimension and amplitude, or cutoff."""
     return [name for name in MAP_CELL_DIMENSION_NAMES if name in dataset.dims]
 
 
@@ -228,7 +228,7 @@ def move_repetitions_last(variable: xarray.Variable, dims: Sequence[str]) -> NDA
 def iterate_solved_pieces(
     result: MemberSums, names: Iterable[str] | None = None, transform: DatasetTransformation | None = None
 ) -> Iterator[xarray.Dataset]:
-    """Yield the members in groups, without members for which the solver failed at any load."""
+    """Yield the members in groups. Members for which the solver failed at one or more loads are left out."""
     for piece in iterate_pieces_with_true_areas(result, names):
         elastic_loads = piece.variables["normal_elastic"]
         is_solved = np.isfinite(
@@ -353,7 +353,7 @@ class _EnsembleQuantities:
         self, means_by_cell: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sequence[ContactSums],
         ratio_operands: Mapping[str, Floats], pool: Executor,
     ) -> dict[str, xarray.Dataset]:  # fmt: skip
-        """Return one dataset per quantity, from the means and intervals in all cells.
+        """Return one dataset per quantity, with its means and intervals for each sliding rule, direction and roughness.
 
         `averages` and `ratio_operands` come from `_average_sums`. The threads of `pool` evaluate the cells.
         """
@@ -363,7 +363,7 @@ class _EnsembleQuantities:
         status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
 
         def evaluate_cell(cell: tuple[int, ...], means: intervals.MeansAtLoads) -> dict[str, NDArray[Any]]:
-            """Store means, intervals and statuses of one cell, and return the ratios of the cell's contact sums."""
+            """Store means for one roughness, direction and sliding rule; return ratios such as the mean pressure."""
             for index, statistics in enumerate(estimates):
                 for array, curve_values in zip(statistics, (means.mean(index), *means.interval(index)), strict=True):
                     array[cell] = _reshape_curves(curve_values, self.shape)
@@ -429,12 +429,12 @@ class _EnsembleQuantities:
 
 
 def _reshape_curves(curve_table: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Reshape a table (curves, loads) to an array (loads, mu0, tau0); each curve belongs to one mu0 and tau0."""
+    """Reshape an array (curves, loads), with one curve per pair of mu0 and tau0, to an array (loads, mu0, tau0)."""
     return np.moveaxis(curve_table.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
 def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension: str) -> list[ContactSums]:
-    """Return the contact sums of the members, followed by one `ContactSums` object per named quantity.
+    """Return the sums of forces and areas over contacts for each member, then one set of sums for each named quantity.
 
     The first axes of each sum are sliding rule and direction. If a quantity is stored directly, it replaces the area in
     the returned sums.
@@ -464,7 +464,7 @@ def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension:
 
 
 def _get_values_or_nan(dataset: xarray.Dataset, name: str, step_dimension: str) -> NDArray[Any]:
-    """Return a variable as an array (motion, cell, step, repetition), or only NaN if the variable is missing."""
+    """Return a variable with its axes in a fixed order and the repetitions last. A missing variable becomes NaN."""
     dims = [
         *(motion for motion in MOTION_DIMENSION_NAMES if motion in dataset.dims),
         *find_cell_dimensions(dataset),
@@ -489,7 +489,7 @@ def _compute_quantity_values(sums: ContactSums, quantity: str, law: FrictionLaw)
 def _average_sums(
     pieces: Iterable[xarray.Dataset], names: Sequence[str], operand_names: Sequence[str], step_dimension: str
 ) -> tuple[list[ContactSums], dict[str, Floats], int]:
-    """Average contact sums, and the numerators and denominators of ratios, over all members.
+    """Average over all members the sums over contacts, and the numerators and denominators of ratios.
 
     Returns averages of the sums, averages of the operands of ratios, and the number of members. The averages of the
     sums have an axis of length 1 for the members.

@@ -34,7 +34,7 @@ The sum of areas exceeds the nominal area if asperities overlap.
 
 @dataclass(frozen=True, eq=False)
 class AdjacentLoadValues:
-    """Quantities of all members at the two computed loads that enclose each requested load.
+    """Quantities of all members at the computed loads directly below and directly above each requested load.
 
     The position of a requested load is a fraction of the distance in ln F; it is 0 at a computed load.
     """
@@ -189,7 +189,7 @@ def _average_compliances(
     get_stiffnesses: Callable[[xarray.Dataset], Floats],
     mean_stiffnesses: Floats,
 ) -> Floats:
-    """Return the stiffness dF/dδ at the mean displacement: the inverse of the mean compliance over members.
+    """Return the mean stiffness dF/dδ as the inverse of the mean compliance dδ/dF, averaged over members.
 
     Where the mean compliance is not above 0, because contacts disappear as the load grows, the mean stiffness remains.
     """
@@ -259,7 +259,7 @@ def include_interpolation_error(
 
 
 def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
-    """Combine the statuses of all members (first axis) into one status per coefficient.
+    """Combine the statuses that each friction coefficient has in the members (first axis) into one status.
 
     The combined status has a coefficient if the status of any member has one. Otherwise, it is the most frequent
     status. The statuses with a coefficient are "ok" and "bulk-shear", whose coefficient is a lower limit.
@@ -274,7 +274,7 @@ def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
 
 
 def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
-    """Return a contact status for each true area fraction, and the area fractions with impossible values replaced.
+    """Return the contact status of each true area fraction, and replace fractions above 1 by 1 or NaN.
 
     Half-space fractions above 1 become 1. In the asperity model, they become NaN. The fractions have the shape (...,
     3).
@@ -290,7 +290,7 @@ def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tupl
 
 
 def _remove_negative_means(means: Floats, is_removed: NDArray[np.bool_]) -> Floats:
-    """Replace means and limits by NaN where `is_removed` is true; set other negative means (round-off) to 0.
+    """Replace each mean and its limits by NaN where `is_removed` is true. Set other negative means (round-off) to 0.
 
     The last axis contains mean, lower limit and upper limit.
     """
@@ -313,7 +313,7 @@ def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Datase
 
 
 def find_axes_with_both_directions(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return the axes (0 to 180 degrees) along which both directions were computed, with the indices of the directions.
+    """Return the axes along which both directions of motion were computed, as angles (degrees) and direction indices.
 
     The indices have the shape (axes, 2).
     """
@@ -384,7 +384,7 @@ class MemberDependence:
 
 
 def _compute_mean_and_interval(values: Floats, scan_mean: intervals.ScanPairMean | None) -> tuple[float, float, float]:
-    """Return the mean over pairs of scans and its interval limits, which are positive if no `values` are negative."""
+    """Return the mean over pairs of upper and lower scans, followed by the limits of its 95 % interval."""
     if scan_mean is None:
         finite_values = values[np.isfinite(values)]
         return float(finite_values.mean()) if finite_values.size else np.nan, np.nan, np.nan

@@ -109,7 +109,7 @@ def evaluate_members(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, load_definition: LoadDefinition = "elastic",
     member_kind: MemberKind | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate friction and contact quantities of each member of a result at given loads, at the onset of sliding.
+    """Evaluate friction (at the onset of sliding) and contact quantities at given loads, for each member of a result.
 
     For a measured study, the dataset at the study's elastic loads, mu0 and tau0 is evaluated only once for each result.
     """
@@ -164,7 +164,7 @@ def interpolate_member_sums(
     *,
     member_kind: MemberKind | None = None,
 ) -> xarray.Dataset:
-    """Return the contact sums of all members, interpolated at elastic loads (mN).
+    """Return sums over the contacts of each member, such as forces and areas, interpolated at elastic loads (mN).
 
     By default, these are the six sums that determine friction. The dimensions are cells, repetition, sliding, direction
     and load.
@@ -192,7 +192,7 @@ def interpolate_member_sums(
 
 
 def estimate_area_error(adhesive_sums: Floats) -> float:
-    """Return the relative standard error of the mean true area, estimated from the members' adhesive sums.
+    """Return the relative standard error of the mean true area, from sums of contact areas (one sum per member).
 
     The error is 0 for a single member.
     """
@@ -295,7 +295,7 @@ def _evaluate_piece(
 
 @dataclass(frozen=True, eq=False)
 class _MemberForces:
-    """Normal and tangential loads (mN) of members at the onset of sliding, with two masks of the requested loads.
+    """Normal and tangential loads (mN) of members at the onset of sliding, and whether members reach requested loads.
 
     The masks mark loads that a member reaches, and loads below the first loading step. The arrays have the shape (...,
     sliding, direction, load, mu0, tau0), or a shape that broadcasts to it.
@@ -310,7 +310,7 @@ class _MemberForces:
     def at_elastic_loads(
         cls, contact_sums: Mapping[str, Floats], load_crossings: LoadCrossings, law: FrictionLaw
     ) -> _MemberForces:
-        """Compute normal and tangential loads of members at given elastic loads, from interpolated contact sums."""
+        """Compute normal and tangential loads of members at given elastic loads, from sums over their contacts."""
         is_reached, is_below = (
             mask[..., None, None, :, None, None] for mask in (load_crossings.reached, load_crossings.below)
         )
@@ -320,7 +320,7 @@ class _MemberForces:
     def at_normal_loads(
         cls, sums_at_steps: Mapping[str, Floats], loads: Floats, law: FrictionLaw, *, interpolates_ratio: bool
     ) -> _MemberForces:
-        """Interpolate normal and tangential loads of members at given normal loads (mN)."""
+        """Interpolate the tangential load of each member at given normal loads (mN), and return both loads."""
         # The axis of loading steps is moved to the end, because loads are interpolated along the last axis.
         normal_load, tangential_load = (np.moveaxis(array, -3, -1) for array in _compute_loads(sums_at_steps, law))
         normal_load = np.broadcast_to(normal_load, tangential_load.shape)
@@ -336,7 +336,7 @@ class _MemberForces:
 
 
 def _compute_loads(sums: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-    """Compute normal and tangential loads (mN) from contact sums.
+    """Compute the normal and tangential loads (mN) of members from the sums of forces and areas over their contacts.
 
     The last two axes of the loads are mu0 and tau0.
     """
@@ -371,7 +371,7 @@ def _grow_contacts(
 def _compute_opposing_fraction(
     piece: xarray.Dataset, member_dims: tuple[str, ...], contact_sums: Mapping[str, Floats]
 ) -> dict[str, Any]:
-    """Return the fraction of the load on contacts that oppose the motion, as a dictionary with one variable.
+    """Return a dictionary with the fraction of the load on contacts whose slopes oppose the motion.
 
     The dictionary is empty unless the result has both sliding rules.
     """
@@ -391,7 +391,7 @@ def _compute_opposing_fraction(
 def _interpolate_quantities(
     piece: xarray.Dataset, member_dims: tuple[str, ...], load_crossings: LoadCrossings, names: Collection[str] | None
 ) -> dict[str, Any]:
-    """Return the requested quantities and the elastic load by name, interpolated at the requested loads."""
+    """Return the elastic load and the requested quantities, interpolated at the requested loads and keyed by name."""
     step_dimension, variables = find_step_dimension(piece), {}
     for name in (*INTERPOLATED_QUANTITIES, *DISTRIBUTION_QUANTITIES):
         if name not in piece.variables or not (name == "normal_elastic" or is_requested(name, names)):
@@ -411,7 +411,7 @@ def _interpolate_quantities(
 
 
 def find_tangential_stiffness_ratio(study: Study) -> float:
-    """Return the initial tangential stiffness of a pair divided by the normal unloading stiffness: E*_t/E*.
+    """Return the ratio of a pair's initial tangential stiffness to its normal stiffness during unloading.
 
     The ratio is 1 for grooves, which deform in plane strain. For isotropic surfaces, it is Mindlin's ratio (1949) for
     the Poisson's ratios of both bodies.
@@ -423,7 +423,7 @@ def find_tangential_stiffness_ratio(study: Study) -> float:
 
 
 def has_grooves(study: Study) -> bool:
-    """Return whether pressed profiles represent surfaces with parallel grooves instead of isotropic surfaces."""
+    """Return whether the profiles of a study represent surfaces with parallel grooves, not isotropic surfaces."""
     if study.is_areal:
         return False
     contact: Any = study.contact
@@ -447,13 +447,13 @@ _STIFFNESS_NAMES_BY_DISPLACEMENT = {
 def _interpolate_displacements_and_stiffnesses(
     piece: xarray.Dataset, member_dims: tuple[str, ...], load_crossings: LoadCrossings, variables: dict[str, Any]
 ) -> None:
-    """Interpolate displacements and stiffnesses between loads, so that each stiffness is a displacement's derivative.
+    """Interpolate displacements δ and stiffnesses between computed loads F, so that the loading stiffness is dF/dδ.
 
     Between two computed loads, a displacement is the cubic in the logarithm of the load that has the stored
-    displacements and stiffnesses. The loading stiffness is its derivative. The unloading stiffness is a weighted
-    geometric mean of two estimates: the loading stiffness times the interpolated ratio of both, which is exact for
-    elastic contacts, and a power law with a smooth exponent, which yielding does not disturb. The weights follow from
-    the yielding.
+    displacements and stiffnesses. The loading stiffness is the inverse of the slope of this cubic. The unloading
+    stiffness is a weighted geometric mean of two estimates: the loading stiffness times the interpolated ratio of both,
+    which is exact for elastic contacts, and a power law with a smooth exponent, which yielding does not disturb. The
+    weights follow from the yielding.
     """
     steps = piece["load"].values
     for name, stiffness_names in _STIFFNESS_NAMES_BY_DISPLACEMENT.items():
@@ -488,7 +488,7 @@ def _interpolate_displacements_and_stiffnesses(
 
 
 def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law: FrictionLaw) -> dict[str, Any]:
-    """Return each member's pull-off force, a flag (1 if the force is a lower bound), and friction at zero load."""
+    """Return for each member the pull-off force, whether it is only a lower bound, and the friction at zero load."""
     is_bound = (_to_float_array(piece.variables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
     zero_load_sums = {
         name: _to_float_array(piece.variables[name], (*member_dims, *MOTION_DIMENSION_NAMES), missing=True)[
@@ -536,7 +536,7 @@ def _determine_member_status(piece: xarray.Dataset, loads: Floats, forces: _Memb
 def _find_load_crossings(
     piece: xarray.Dataset, loads: Floats, names: Sequence[str] = LOAD_SUM_NAMES
 ) -> tuple[dict[str, Floats], LoadCrossings]:
-    """Return the contact sums of members, and the points at which the load curves reach the requested loads."""
+    """Return the sums of forces and areas over contacts, and where the load curves reach the requested loads."""
     step_dimension = find_step_dimension(piece)
     member_dims = (*find_cell_dimensions(piece), "repetition")
     # Variables of xarray are much faster to access than data arrays, because variables have no coordinates.
@@ -572,7 +572,7 @@ def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict
 
 
 def _replace_sums_by_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
-    """Replace contact sums that serve only as numerators or denominators by their ratios, such as the mean pressure."""
+    """Replace sums over contacts by quotients of two such sums, such as the mean pressure, which is load over area."""
     dims, elastic = variables["normal_elastic"][:2]
     if nominal_area is not None and "pull_off" in variables:
         pull_off = variables["pull_off"]

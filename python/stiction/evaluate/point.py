@@ -1,4 +1,4 @@
-"""Result point: quantities of a result at one load, mu0 and tau0, for one cell (one roughness or one cutoff)."""
+"""Quantities of a result at one point, that is, for one load, mu0, tau0, and roughness or cutoff."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ NEGLIGIBLE_LOAD_RATIO = 0.01
 
 @dataclass(frozen=True)
 class SlidingRuleCoefficient(Estimate):
-    """Static friction coefficient at one result point under one sliding rule: mean over directions, with intervals.
+    """Static friction coefficient under one sliding rule, averaged over directions of motion, with its intervals.
 
     If there is no combined interval, the limits are the interval of the mean.
     """
@@ -54,17 +54,17 @@ class SlidingRuleCoefficient(Estimate):
 
     @property
     def mean(self) -> Estimate:
-        """Mean coefficient as an estimate with the interval of the mean."""
+        """Mean friction coefficient as an `Estimate`, whose limits are the interval of the mean."""
         return Estimate(self.value, *self.interval_of_mean, **_get_estimate_fields("mean_friction", {}))
 
     @property
     def prediction(self) -> Estimate:
-        """Mean coefficient as an estimate with the prediction interval of a single test."""
+        """Mean friction coefficient as an `Estimate`, whose limits are the prediction interval of a single test."""
         return Estimate(self.value, *self.prediction_interval, **_get_estimate_fields("friction_prediction", {}))
 
 
 def iterate_points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
-    """Yield one dataset for each result point: each combination of roughness or cutoff, load, mu0 and tau0."""
+    """Yield one dataset for each combination of roughness (or cutoff), load, mu0 and tau0 in a dataset."""
     cell_dims = [name for name in CELL_DIMENSIONS if name in at.dims]
     dims = [*cell_dims, *(name for name in ("load", "mu0", "tau0") if name in at.dims)]
     # Dropping the indexes of the coordinates more than halves the time of each selection below.
@@ -96,7 +96,7 @@ def get_roughness_exponent(study: Study, dimension: float) -> tuple[str, float]:
 
 
 def select_sliding_rule(table: Any, rule: str) -> Any:
-    """Return the part of an array for one sliding rule.
+    """Return the values in an array that belong to one sliding rule.
 
     An array without the dimension `sliding` is returned unchanged.
     """
@@ -192,7 +192,7 @@ def mean_over_directions(point: xarray.Dataset, name: str) -> float:
 
 
 def find_contact_status(point: xarray.Dataset, study: Study) -> str:
-    """Return the status of the true area at a result point: "ok", "complete" or, for asperities, "above-nominal"."""
+    """Return the status of the contact area: "ok", "complete" (half-space model) or "above-nominal" (asperities)."""
     if "contact_status" in point:
         return str(point["contact_status"].values)
     is_above_nominal = mean_over_directions(point, "contact_area_fraction") > 1
@@ -259,7 +259,7 @@ def effective_modulus_at(point: xarray.Dataset, study: Study) -> float:
 
 
 def get_adhesion_ranges(point: xarray.Dataset, study: Study) -> tuple[float, float]:
-    """Return the range of the attraction (µm) that the study specifies, and the range used in the computation.
+    """Return two ranges (µm) of the attraction: the range given in the study, and the range used in the computation.
 
     The range of the computation is larger if the grid does not resolve the range of the study.
     """

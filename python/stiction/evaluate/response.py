@@ -30,7 +30,7 @@ yielded fraction of the area. For hardnesses from half to double and E* within 2
 
 @dataclass(frozen=True, kw_only=True)
 class InputValues:
-    """Inputs of a contact, such as hardness, mu0 and tau0: one number or an array of samples for each input.
+    """Values of the inputs that determine a contact, such as hardness, mu0 and tau0.
 
     Each is a number or an array of samples.
 
@@ -81,7 +81,7 @@ def _get_area_inputs(inputs: InputValues) -> dict[str, Any]:
 
 @dataclass(frozen=True, eq=False)
 class ClosureCurve:
-    """Closure of a pair as a function of load: closures at the computed loads, averaged over members.
+    """Closures (µm) of a pair at the computed loads, averaged over members, for interpolation at other loads.
 
     Attributes
     ----------
@@ -99,7 +99,7 @@ class ClosureCurve:
     stiffness_exponents: Floats
 
     def exponents_at(self, load: float) -> tuple[float, float]:
-        """Return d ln(closure stiffness)/d ln(load) at a load (mN): one exponent for loading, and one for unloading."""
+        """Return exponents d ln(closure stiffness)/d ln(load) for loading and for unloading, at a load (mN)."""
         log_load, log_loads = np.log(load), np.log(self.loads)
         loading, unloading = (
             float(np.interp(log_load, log_loads, exponents)) for exponents in self.stiffness_exponents
@@ -107,7 +107,7 @@ class ClosureCurve:
         return loading, unloading
 
     def scale_stiffness(self, ratios: Floats) -> Floats:
-        """Return the closures (µm) after the closure stiffness at the computed loads is multiplied by `ratios`.
+        """Return the closures (µm) that result from multiplying the closure stiffness at each load by `ratios`.
 
         The arrays have the shape (l, ...). The closure is the integral of 1/stiffness over the load.
         """
@@ -128,7 +128,7 @@ class ClosureCurve:
 
 
 def build_closure_curves(result: MemberSums) -> list[ClosureCurve | None]:
-    """Return the closure curve for each cutoff of a result.
+    """Return a list with one closure curve for each cutoff of a result.
 
     A curve is None if fewer than two closures are known.
     """
@@ -156,7 +156,7 @@ def build_closure_curves(result: MemberSums) -> list[ClosureCurve | None]:
 
 
 class AreasBeforeShear(NamedTuple):
-    """True areas (µm²) of contacts before shear: `elastic` for contacts that do not yield, `true` with yielding."""
+    """True contact areas (µm²) before shear: `elastic` without yielding, and `true` with yielding."""
 
     elastic: Floats
     true: Floats
@@ -194,7 +194,7 @@ class ResponseValues:
 
 @dataclass(frozen=True, eq=False)
 class ContactResponseToInputs:
-    """Response of a pair at one load and sliding rule to changed inputs, averaged over members and directions.
+    """Model of how changed inputs affect friction and contact quantities of a pair, at one load under one sliding rule.
 
     Attributes
     ----------
@@ -220,7 +220,7 @@ class ContactResponseToInputs:
     closure_curve: ClosureCurve | None = None
 
     def areas_before_shear(self, inputs: InputValues) -> AreasBeforeShear:
-        """Return the true areas (µm²) before shear for given inputs: the elastic area, and the area with yielding."""
+        """Return the true areas (µm²) before shear for given inputs: one without yielding, and one with yielding."""
         elastic_area = self.area.elastic_area(self.load, inputs.modulus * inputs.height_factor)
         return AreasBeforeShear(
             elastic_area, self.area(self.load, elastic_area=elastic_area, **_get_area_inputs(inputs))
@@ -267,7 +267,7 @@ class ContactResponseToInputs:
         )
 
     def stiffness_ratios(self, inputs: InputValues, area_before_shear: Floats) -> tuple[Floats, ...]:
-        """Return the ratios of loading, unloading and closure stiffness at given inputs to those at the central inputs.
+        """Return the factors by which given inputs, compared with the central inputs, change four stiffnesses.
 
         If E*, heights and hardness change by a common factor, the stiffness follows by similarity from the stiffness at
         the load divided by this factor. Any other change of the hardness acts through the true area. The stiffness
@@ -291,7 +291,7 @@ class ContactResponseToInputs:
         )
 
     def friction_at_no_load_ratio(self, inputs: InputValues) -> Floats:
-        """Return the ratio of friction at zero load for given inputs to friction at zero load for the central inputs.
+        """Return the factor by which given inputs, compared with the central inputs, change the friction at zero load.
 
         The attraction is computed with the central inputs. The area changes as at the smallest computed load.
         """
@@ -321,7 +321,7 @@ class ContactResponseToInputs:
         return self.closure_curve.scale_stiffness(np.stack(ratios))
 
     def closure_ratio(self, inputs: InputValues, closures: Floats) -> Floats:
-        """Return the closure for given inputs, divided by the closure for the central inputs, at the contact's load.
+        """Return the factor by which given inputs, compared with the central inputs, change the closure.
 
         By similarity, the closure is the height factor times the closure at the load divided by the change of E* and
         heights. `closures` comes from `closures_at_computed_loads`.
@@ -336,5 +336,5 @@ class ContactResponseToInputs:
         return np.asarray(inputs.height_factor * closure / central_closure)
 
     def at_central_inputs(self, **changes: Any) -> ResponseValues:
-        """Return all quantities of the contact for the central inputs with the given `changes`."""
+        """Return all quantities of the contact for inputs that are central, except for the inputs in `changes`."""
         return self.evaluate(replace(self.central, **changes))

@@ -1,4 +1,4 @@
-"""Intervals of a shear test that include uncertain inputs and the scatter between strips of the faces.
+"""95 % intervals for a shear test, from the uncertainty of its inputs and from differences between strips of faces.
 
 Inputs are propagated by sampling (JCGM 101, 2008). μ0 and τ0 enter at the solved contacts. The hardness and E* change
 the contacts, so the test is repeated at both limits of each of these inputs, and the curves are interpolated.
@@ -74,7 +74,7 @@ def _generate_sample_points(dimensions: int, num_displacements: int) -> Floats:
 def draw_shear_samples(
     inputs: Inputs, strength: InterfaceStrength | None, num_displacements: int
 ) -> list[ShearInputSamples]:
-    """Draw samples of a shear test's inputs and, for a calibrated interface, more samples with mu0 = 0 or tau0 = 0."""
+    """Draw samples of the inputs of a shear test; for a calibrated interface, also samples with mu0 = 0 or tau0 = 0."""
     uncertain_inputs, joint_strengths = find_inputs_and_strengths(inputs, strength)
     if not uncertain_inputs and all(np.ptp(joint.mu0) == np.ptp(joint.tau0) == 0 for joint in joint_strengths):
         return []
@@ -113,19 +113,19 @@ def draw_shear_samples(
 
 @dataclass(frozen=True)
 class ContactVariation:
-    """Ratio by which a contact input, such as the hardness, is varied from its central value to one of its limits."""
+    """Ratio by which a shear test changes one contact input, such as the hardness, from its central value."""
 
     name: str
     ratio: float
 
     def apply_to(self, box: ShearBox) -> ShearBox:
-        """Return a copy of a shear test in which the named input is its central value times `ratio`."""
+        """Return a copy of a shear test in which the value of one contact input is multiplied by `ratio`."""
         changes: Any = {self.name: getattr(box, self.name) * self.ratio}
         return replace(box, **changes)
 
 
 def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariation]:
-    """Return the variations of a shear test: each uncertain contact input at its lower limit and at its upper limit."""
+    """Return the input changes for repeated shear tests: each contact input at its lower and at its upper limit."""
     if not samples:
         return []
     return [
@@ -137,7 +137,7 @@ def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariati
 
 
 class _SampledCurves:
-    """Curves of a shear test for each sample of the inputs, interpolated between tests at central and limiting inputs.
+    """Curves of a shear test for each input sample, interpolated between the computed tests with different inputs.
 
     The curves are linear in the logarithm of the input. The effects of two inputs are added. `has_no_solution` is True
     for samples near a limit at which the contact has no solution, with the shape (samples, displacements). A sample is
@@ -157,7 +157,7 @@ class _SampledCurves:
             self.has_no_solution = self.has_no_solution | ((weight > MIN_WEIGHT_NEAR_LIMIT) & is_lost)
 
     def sample(self, get_curve: Callable[[xr.Dataset], Floats]) -> Floats:
-        """Return a curve of the shear test for each sample of the inputs; `get_curve` reads the curve from a dataset.
+        """Return one curve of the shear test for each input sample. The function `get_curve` reads a curve from a test.
 
         Values are NaN for samples near a limit at which the curve is NaN.
         """
@@ -224,13 +224,13 @@ def _summarize_samples(test: xr.Dataset, coefficient: Floats, stress: Floats, di
 
 @dataclass(frozen=True)
 class _StripMeanErrors:
-    """Standard error of the mean over strips of each quantity, and number of strips with a solution."""
+    """Standard error of each quantity's mean over strips of the faces, and the number of strips with a solution."""
 
     errors: _Samples
     counts: _Samples
 
     def error_quantiles(self, name: str, shape: tuple[int, ...], probabilities: Floats) -> Floats:
-        """Return quantiles of the error of the mean over strips, with one probability per element of the first axis.
+        """Return quantiles of the error of the mean over strips, for given probabilities (first axis of the result).
 
         The error has Student's t distribution. Quantiles are NaN if fewer than two strips have a solution.
         """
@@ -244,7 +244,7 @@ class _StripMeanErrors:
 
 
 def _estimate_strip_errors(test: xr.Dataset, strips: Sequence[xr.Dataset]) -> _StripMeanErrors:
-    """Return the standard errors of means over the strips that have a solution.
+    """Return the standard error of each quantity's mean over strips of the faces, from strips that have a solution.
 
     The peak of a strip is found among the displacements at which the strip has a solution.
     """
@@ -313,7 +313,7 @@ def add_shear_intervals(
 
 
 def _open_lower_limits(test: xr.Dataset, limits: Mapping[str, Floats], varied_tests: Sequence[xr.Dataset]) -> None:
-    """Set lower limits of friction to 0 in place, where a shear test with an input at its limit has no solution.
+    """Set lower limits of friction to 0 in place where the shear test at a limit of an input has no solution.
 
     If the faces lock at the limit of the input, lower limits are unchanged, because locking only raises the friction.
     """
@@ -329,7 +329,7 @@ def _open_lower_limits(test: xr.Dataset, limits: Mapping[str, Floats], varied_te
 
 
 def _compute_interval_limits(values: Floats, coverage: float) -> Floats:
-    """Return the interval that contains the fraction `coverage` of samples, which lie along the first axis.
+    """Return the central interval that contains the fraction `coverage` of the samples along the first axis.
 
     Returns NaN if a sample is NaN.
     """
@@ -342,14 +342,14 @@ def _compute_interval_limits(values: Floats, coverage: float) -> Floats:
 
 
 def _extend_to_value(name: str, value: Floats, limits: Sequence[Floats]) -> Floats:
-    """Widen interval limits to include the computed value, and set negative limits to 0, except for the dilation."""
+    """Widen interval limits to include the computed value. Raise negative limits to 0 except for the dilation."""
     first_limits, *other_limits = limits
     extended_limits = extend_intervals(first_limits, *other_limits, np.stack([value, value], axis=-1))
     return extended_limits if "dilation" in name else np.maximum(extended_limits, 0.0)
 
 
 def _add_interval_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
-    """Return a copy of a shear test with interval limits: variables for curves, attributes for single values."""
+    """Return a copy of a shear test that contains interval limits for its curves and for its peak and final values."""
     attributes: dict[str, float] = {}
     displacement = test["displacement"].values
     for name in SHEAR_INTERVAL_ATTRIBUTES:
