@@ -69,7 +69,7 @@ GAIN_PARAMETER_NAME, RUN_SPREAD_PARAMETER_NAME = "gain", "spread between runs"
 
 @dataclass(frozen=True)
 class _BestFit:
-    """Least-squares fit to friction tests: mu0, tau0, nuisance parameters and residuals of the best fit."""
+    """Least-squares fit to friction tests: the fitted mu0, tau0 and nuisance parameters, and the residuals."""
 
     mu0: float
     tau0: float  # GPa
@@ -83,7 +83,7 @@ class _BestFit:
 
 @dataclass(frozen=True)
 class _GridLimits:
-    """Limits of the grids of mu0 and tau0 for the probabilities, for each sample of the nuisance parameters."""
+    """Limits of the grids on which probabilities of mu0 and tau0 are computed, one grid for each nuisance sample."""
 
     # R of the QR decomposition of the test equations at each nuisance point, with the shape (points, 3, 3).
     triangular_factors: Floats
@@ -97,14 +97,14 @@ class _GridLimits:
 
 @dataclass(frozen=True)
 class _ProbabilityGrid:
-    """Log-probabilities in the cells of grids of mu0 and tau0, with one grid per sample of the nuisance parameters."""
+    """Log-probabilities of mu0 and tau0 in the cells of grids, one grid for each sample of the nuisance parameters."""
 
     limits: _GridLimits
     log_probability: Floats  # (points, tau0, mu0), without prior
 
 
 class CalibrationProblem:
-    """Fit of mu0 and tau0 to friction tests: one linear equation per test, which depends on nuisance parameters.
+    """Fit of mu0 and tau0 to friction tests. Each test gives one linear equation, with uncertain coefficients.
 
     In each equation, a mu0 + b tau0 equals the right side, where a and b are the coefficients of the equation.
 
@@ -218,7 +218,7 @@ class CalibrationProblem:
         )
 
     def _compute_run_offset_vectors(self, central_coefficients: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Return how a common offset of each test run changes the residuals: one unit vector and one norm per run.
+        """Return the change of the residuals due to a friction offset in each test run, as unit vectors and norms.
 
         The unit vectors have the shape (runs, tests). The norms, with the shape (runs,), are in units of the errors.
         Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would bias
@@ -245,17 +245,17 @@ class CalibrationProblem:
         return np.where(self.slid, 1.0 / self.error**2, 0.0)
 
     def average_over_tests(self, area_per_load: Floats) -> float:
-        """Return the mean true area per load A/F (1/GPa) of the tests with sliding, weighted by 1/error²."""
+        """Return the weighted mean of true area per load, A/F (1/GPa), over the tests in which the pair slid."""
         return float(np.average(area_per_load, weights=self._weights_of_tests))
 
     def compute_area_per_load_variation(self, area_per_load: Floats) -> float:
-        """Return the relative standard deviation of A/F over tests with sliding, weighted by 1/error²."""
+        """Return the weighted relative standard deviation of true area per load over tests in which the pair slid."""
         mean = self.average_over_tests(area_per_load)
         variance = np.average((area_per_load - mean) ** 2, weights=self._weights_of_tests)
         return float(np.sqrt(variance) / mean)
 
     def _compute_deviation_between_runs(self, scores: Floats) -> Floats:
-        """Return the relative standard deviation of friction between test runs, one number per nuisance sample."""
+        """Return the relative standard deviation of friction between test runs for each nuisance sample."""
         from scipy.special import ndtr
 
         if RUN_SPREAD_PARAMETER_NAME not in self.nuisances:
@@ -266,7 +266,7 @@ class CalibrationProblem:
     def _build_weighted_equations(
         self, columns: tuple[Floats, ...], scale: Floats, spread: Floats
     ) -> tuple[Floats, Floats]:
-        """Return the equations of tests with sliding, divided by the test errors and made uncorrelated within each run.
+        """Return the equations of tests in which the pair slid, scaled so that all have equal, uncorrelated errors.
 
         The equations have the shape (points, tests with sliding, 3). Also returns the logarithms of the normalization
         factors (points,).
@@ -275,7 +275,7 @@ class CalibrationProblem:
         return self._decorrelate_within_runs(rows, scale, spread)
 
     def _decorrelate_within_runs(self, rows: Floats, scale: Floats, spread: Floats) -> tuple[Floats, Floats]:
-        """Transform the equations of tests with sliding so that the errors of tests in the same run are uncorrelated.
+        """Transform the equations of tests so that the errors of tests in the same run become uncorrelated.
 
         Also returns the logarithms of the normalization factors (points,).
         """
@@ -293,7 +293,7 @@ class CalibrationProblem:
     def _compute_residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-        """Return the residuals of tests with sliding, divided by the test errors, and the test equations' coefficients.
+        """Return the residuals of tests in which the pair slid, divided by the test errors, and the coefficients.
 
         The residuals have the shape (points, tests that slid, ...), and are infinite at seizure. The coefficients
         include junction growth. mu0 and tau0 (GPa) have the shape (points, ...).
@@ -345,7 +345,7 @@ class CalibrationProblem:
             return strength
 
         def residuals_with_growth(points: Floats) -> Floats:
-            """Return the residuals of tests with sliding, with junction growth, for each row of fit parameters."""
+            """Return the residuals of the tests for each row of fit parameters, including junction growth."""
             mu0, tau0 = np.transpose([to_strengths(x) for x in points])
             scales = np.full(len(points), error_scale)
             misfit, _ = self._compute_residuals(
@@ -484,7 +484,7 @@ class CalibrationProblem:
         return replace(fit, fits_at_bounds=fits_at_bounds)
 
     def _with_fixed_strengths(self, strengths: tuple[float | None, float | None]) -> CalibrationProblem:
-        """Return a copy of the problem with other fixed values of mu0 and tau0 (GPa); None leaves a parameter free."""
+        """Return a copy of the problem in which mu0 and tau0 (GPa) are fixed at the given numbers, or free if None."""
         problem = copy.copy(self)
         problem.__dict__.pop("best_fit", None)  # the cached fit belongs to the previous fixed values
         problem.fixed_strengths = strengths
@@ -496,7 +496,7 @@ class CalibrationProblem:
         return np.asarray(tau0_coefficient / mu0_coefficient)
 
     def _find_median_area_per_load(self, samples: Floats) -> Floats:
-        """Return the median true area per load A/F (1/GPa) of each test over `samples` if contacts grow under shear.
+        """Return A/F (1/GPa) of each test: the median of `samples` if shear enlarges contacts, else the central A/F.
 
         Without growing contacts, A/F at the central inputs is returned. With friction at opposing contacts only, the
         friction of these contacts is higher than the measured coefficient, for which `area_per_load` is computed. The
@@ -525,7 +525,7 @@ class CalibrationProblem:
 
     @property
     def exact_inputs(self) -> tuple[tuple[str, float], ...]:
-        """Names and values (core units) of the inputs that are exact in at least one test.
+        """Inputs that are exact in at least one test, as pairs of name and value (core units).
 
         The area loss under shear is left out, because each pair has its own.
         """
@@ -679,7 +679,7 @@ class CalibrationProblem:
     def _find_grid_limits_with_growth(
         self, limits: _GridLimits, scores: Floats, scale: Floats, spread: Floats, columns: tuple[Floats, Floats, Floats]
     ) -> _GridLimits:
-        """Return the grid limits of tau0 and mu0 for tests whose contacts grow under shear.
+        """Return limits of the grids of tau0 and mu0 for tests in which shear enlarges the contacts.
 
         The limits of mu0 lie around the best mu0 at each tau0. `columns` contains the coefficients of the equations for
         the junction growth at the measured coefficients.
@@ -726,7 +726,7 @@ class CalibrationProblem:
     def _choose_mu0_grid_at_tau0(
         self, limits: _GridLimits, point: Any, row: Any, tau0: Floats
     ) -> tuple[Floats, Floats]:
-        """Return the smallest mu0 and the cell width of the mu0 grid at each given tau0."""
+        """Return the smallest mu0 in the grid, and the width of a grid cell along mu0, for each given tau0."""
         if self.fixed_strengths[0] is not None:
             return np.full(tau0.shape, self.fixed_strengths[0]), np.zeros(tau0.shape)
         if limits.best_mu0 is None:
@@ -817,7 +817,7 @@ class CalibrationProblem:
     def _draw_nuisance_points(
         self, mean: Floats, covariance: Floats, active_indices: list[int], count: int, seed: int = 0
     ) -> tuple[Floats, _ProbabilityGrid, Floats]:
-        """Sample nuisance parameters; return the samples, their grids of mu0 and tau0, and their log-weights."""
+        """Sample nuisance parameters, and return their samples, a grid of mu0 and tau0 for each, and log-weights."""
         from scipy.special import gammaincinv, ndtri
 
         points = np.zeros((count, len(self.nuisances) + 1))
@@ -840,7 +840,7 @@ class CalibrationProblem:
     def _draw_samples_from_grids(
         self, points: Floats, grid: _ProbabilityGrid, log_weight: Floats
     ) -> tuple[Floats, Floats, Floats]:
-        """Draw joint samples of mu0, tau0 (GPa) and nuisance parameters from grid cells with a probability each."""
+        """Draw joint samples of mu0, tau0 (GPa) and nuisance parameters in proportion to the grids' probabilities."""
         generator = np.random.default_rng(0)
         log_cell_probability = grid.log_probability.reshape(len(points), -1)
         with np.errstate(invalid="ignore"):
@@ -866,7 +866,7 @@ class CalibrationProblem:
         return mu0, tau0, scores
 
     def _find_mu0_in_cells(self, limits: _GridLimits, point: Any, row: Any, tau0: Floats, column: Any) -> Floats:
-        """Convert positions on the mu0 grid, given as fractional column numbers, to mu0 at given tau0.
+        """Convert fractional column numbers of the mu0 grids to mu0 at the given tau0.
 
         Each tau0 has its own grid of mu0.
         """
@@ -922,7 +922,7 @@ def _concatenate_grids(grids: Sequence[_ProbabilityGrid]) -> _ProbabilityGrid:
 
 
 def _build_run_membership_matrix(tests: Sequence[FrictionTest]) -> Floats:
-    """Return a matrix (runs, tests) that is 1 where a test belongs to a run, and 0 elsewhere.
+    """Return a matrix of test runs (rows) and tests (columns) that is 1 where a test belongs to a run, else 0.
 
     The matrix has no rows unless there are at least two runs, one of which has at least two tests.
     """
@@ -968,7 +968,7 @@ def _compute_triangular_factors(rows: Floats) -> Floats:
 
 
 def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: float) -> tuple[Floats, Floats]:
-    """Return the tau0 range (GPa) in which the posterior density, maximized over mu0, is not negligibly small."""
+    """Return the range of tau0 (GPa) in which the density of tau0 with its best-fitting mu0 is not negligible."""
     first_row, second_row = triangular_factors[:, 0], triangular_factors[:, 1]
     # At mu0 = 0, -2 ln(density) is a quadratic function of tau0, and `curvature` is the coefficient of tau0².
     curvature = second_row[:, 1] ** 2 + first_row[:, 1] ** 2

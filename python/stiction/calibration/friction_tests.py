@@ -1,4 +1,4 @@
-"""Friction tests, their contact sums per load, and the uncertainty of their true contact areas."""
+"""Friction tests: sums of forces and areas over the contacts per load, and uncertainty of the true contact area."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ class Ball:
             raise ArgumentError("{area_loss} {why}", why=str(error)) from None
 
     def __repr__(self) -> str:
-        """Return a constructor call that creates an equal ball, with the uncertainty of each argument."""
+        """Return a constructor call, as text, that creates an equal ball with the same uncertain arguments."""
         direct_modulus = self.moduli.effective_modulus
         arguments = {
             "radius": self.radius, "effective_modulus": None if direct_modulus is None else direct_modulus.text,
@@ -111,7 +111,7 @@ class Ball:
 
 @dataclass(frozen=True)
 class AreaFactor:
-    """Factor from the computed to the true contact area of a friction test, as a function of the inputs of the test.
+    """Ratio of the true contact area in a friction test to the computed area, as a function of the test's inputs.
 
     In this class, the factor is 1, as for exact inputs and contacts whose area does not change under shear.
     """
@@ -123,7 +123,7 @@ class AreaFactor:
 
     @cached_property
     def uncertain_inputs(self) -> dict[str, UncertainInput]:
-        """Inputs that are not exact, by name, and the creep exponent in any case."""
+        """Uncertain inputs of the test, keyed by name. The creep exponent is included even if it is exact."""
         return {name: value for name, value in self.inputs.items() if not value.is_exact or name == "creep"}
 
     def nuisance_name(self, name: str) -> str:
@@ -139,7 +139,7 @@ class AreaFactor:
         return [self.nuisance_name(name) for name in self.uncertain_inputs]
 
     def input_values(self, columns: Mapping[Any, Floats]) -> dict[str, Floats]:
-        """Return samples of the uncertain inputs by name, computed from cumulative probabilities in `columns`."""
+        """Return samples of the uncertain inputs, keyed by name, at given cumulative probabilities."""
         return {
             name: estimate.quantile(columns[self.nuisance_name(name)])
             for name, estimate in self.uncertain_inputs.items()
@@ -147,11 +147,11 @@ class AreaFactor:
 
     @property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth α with which the test is evaluated, or None if the test is evaluated without growth."""
+        """Junction growth α of the test, or None if the contacts of the test are assumed not to grow."""
         return None
 
     def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return two factors at the onset of sliding: true area over computed area, and friction over mu0 F + tau0 A.
+        """Return two factors at the onset of sliding: for the computed area, and for the friction mu0 F + tau0 A.
 
         `samples` are samples of the inputs. The junction growth of the test replaces that of the law. At seizure the
         area is infinite, or the nominal area if tau0 is 0.
@@ -161,7 +161,7 @@ class AreaFactor:
 
 @dataclass(frozen=True, kw_only=True)
 class _FrictionTestSums:
-    """Contact sums (forces and areas, summed over contacts) of one friction test, divided by the elastic load."""
+    """Sums of forces and areas over the contacts of one friction test, divided by the elastic normal load."""
 
     sums: Mapping[str, float]
     scatter: float = 0.0
@@ -173,7 +173,7 @@ class _FrictionTestSums:
 
 @dataclass(frozen=True)
 class _BallAreaFactor(AreaFactor):
-    """Area factor of a ball test: contact area at the onset of sliding over the area without shear at the central E*.
+    """Area factor of a ball test: contact area at the onset of sliding divided by the Hertz area at the central E*.
 
     The contact area of a ball is proportional to E*^(-2/3).
     """
@@ -189,14 +189,14 @@ class _BallAreaFactor(AreaFactor):
         return cls(inputs, f"ball {ball.radius:g}", ball.moduli, float(loss))
 
     def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return two factors at the onset of sliding: contact area over that at the central E*, and 1 for friction."""
+        """Return the factor for the contact area at the onset of sliding, and the friction factor, which is 1."""
         area = np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
         return area * (1 - samples.get("area_loss", np.asarray(self.area_loss))), np.ones(())
 
 
 @dataclass(frozen=True)
 class _AreaFactorFromResult(AreaFactor):
-    """Area factor of a test of two rough surfaces: true contact area over the area in the computed result."""
+    """Area factor of a test with rough surfaces: true contact area divided by the area in the computed result."""
 
     area: AreaFunction
     load: float
@@ -222,11 +222,11 @@ class _AreaFactorFromResult(AreaFactor):
 
     @property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth α with which the test is evaluated, or None if the test is evaluated without growth."""
+        """Junction growth α of the test, or None if the contacts of the test are assumed not to grow."""
         return self.study_inputs.estimate("junction_growth")
 
     def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return two factors at the onset of sliding: true area over computed area, and friction over mu0 F + tau0 A.
+        """Return two factors at the onset of sliding: for the computed area, and for the friction mu0 F + tau0 A.
 
         `samples` are samples of the inputs. The junction growth of the test replaces that of the law. At seizure the
         area is infinite, or the nominal area if tau0 is 0.
@@ -355,7 +355,7 @@ class FrictionTest:
 
     @cached_property
     def area_factor(self) -> AreaFactor:
-        """Factor from the computed to the true contact area of the test; always 1 for a load curve, without inputs."""
+        """Ratio of the true contact area in the test to the computed area. It is always 1 for a load curve."""
         if isinstance(self.result, Ball):
             return _BallAreaFactor.from_ball(self.result)
         if isinstance(self.result, FrictionCurve):
@@ -421,7 +421,7 @@ def list_sliding_rules(result: Any) -> tuple[str, ...]:
 
 
 def evaluate_test_sums(test: FrictionTest, sliding: SlidingRule) -> _FrictionTestSums:
-    """Return the contact sums of a friction test for a sliding rule, divided by the elastic normal load."""
+    """Return sums of forces and areas over the contacts in a friction test, divided by the elastic normal load."""
     result, load = test.result, float(test.load)
     if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:
         raise ValueError("`wait` requires a result that pair() computed with a creep exponent")
@@ -435,7 +435,7 @@ def evaluate_test_sums(test: FrictionTest, sliding: SlidingRule) -> _FrictionTes
 
 
 def _interpolate_sums_per_load(curve: FrictionCurve, load: float) -> _FrictionTestSums:
-    """Return the contact sums of a load curve, divided by the elastic load and interpolated at an elastic load (mN)."""
+    """Return sums of forces and areas over contacts, per elastic load, interpolated from a curve at a load (mN)."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
         range_text = f"{loads.min():g} to {loads.max():g} mN"
@@ -453,7 +453,7 @@ def _interpolate_sums_per_load(curve: FrictionCurve, load: float) -> _FrictionTe
 
 
 def _average_sums_per_load(result: Any, load: float, sliding: SlidingRule) -> _FrictionTestSums:
-    """Average contact sums at a load (mN) over members and directions, and divide them by the elastic normal load."""
+    """Return sums over contacts at a load (mN), averaged over members and divided by the elastic normal load."""
     dataset = getattr(result, "dataset", result)
     sums = (
         interpolate_member_sums(dataset, np.array([load]))

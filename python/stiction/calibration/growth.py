@@ -1,4 +1,4 @@
-"""Fit of mu0 and tau0 to friction tests whose contacts grow under shear: best-fitting mu0 per tau0, and tau0 range."""
+"""Fit of mu0 and tau0 to friction tests in which shear enlarges the contacts."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Residuals are infinite at seizure.
 
 
 def find_best_mu0(residuals: ResidualFunction, start: Floats, tau0: Floats) -> tuple[Floats, Floats, Floats]:
-    """Find the nonnegative mu0 that best fits the friction tests at each given tau0, by the Gauss-Newton method.
+    """Find the nonnegative mu0 that best fits the friction tests for each given tau0, by the Gauss-Newton method.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def find_best_mu0(residuals: ResidualFunction, start: Floats, tau0: Floats) -> t
 def find_tau0_range(
     sum_of_squares: Callable[[Floats], Floats], max_tau0: Floats, deviance_range: float
 ) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which a sum of squares exceeds its minimum by at most `deviance_range`.
+    """Return tau0 limits (GPa) outside which a sum of squares exceeds its minimum by more than `deviance_range`.
 
     Parameters
     ----------

@@ -26,14 +26,14 @@ BALL_YIELD_PRESSURE_RATIO = 0.39
 
 
 class PlannedTests(NamedTuple):
-    """Plan of further friction tests, with the coefficient of a pair and its 95 % interval expected after the tests."""
+    """Plan of further friction tests, and the coefficient of a pair with the 95 % interval expected after the tests."""
 
     text: str
     coefficient: ValueWithLimits
 
 
 class PlanConditions(NamedTuple):
-    """Number and errors of further tests, hardness, and areas per load of a ball, which all further tests have."""
+    """Assumptions about further friction tests: their number, relative error and hardness, and A/F in ball tests."""
 
     num_tests: int
     # Median error of the present tests, or `DEFAULT_RELATIVE_ERROR`.
@@ -51,7 +51,7 @@ class PlanConditions(NamedTuple):
 
 
 def find_plan_conditions(interface: Interface, hardness: float = math.nan) -> PlanConditions:
-    """Return the number and the error of further tests that `plan_tests` and `Interface.advice` assume.
+    """Return what `plan_tests` and `Interface.advice` assume about further tests, such as their number.
 
     `hardness` is the hardness (GPa) of the wanted pair. NaN stands for the hardness of the present tests.
     """
@@ -74,7 +74,7 @@ def find_plan_conditions(interface: Interface, hardness: float = math.nan) -> Pl
 
 
 def _compute_areas_per_load_of_ball_tests(area_per_load: float, count: int, hardness: float) -> Floats:
-    """Return A/F (1/GPa) of further tests of a ball, from the highest load to the lowest load.
+    """Return the true area per load A/F (1/GPa) in each further test of a ball, in the order of decreasing loads.
 
     The ball does not yield at the highest load, if the hardness (GPa) is not NaN. For a ball (Hertz), A/F is
     proportional to F^(-1/3). μ0 and τ0 need a second A/F, so a single test has the highest load or, if the ball would
@@ -88,7 +88,7 @@ def _compute_areas_per_load_of_ball_tests(area_per_load: float, count: int, hard
 
 
 def list_area_plans(area_per_load: float, count: int, hardness: float = math.nan) -> Iterator[tuple[str, Floats]]:
-    """Yield plans of further tests that would separate mu0 from tau0: a description, and A/F (1/GPa) of each test.
+    """Yield the description of each plan of tests that separates mu0 from tau0, with A/F (1/GPa) of each test.
 
     `area_per_load` and `count` are the mean true area per load (1/GPa) and the number of the present tests. `hardness`
     is that of the bodies (GPa), or NaN if it is unknown. A finish whose contacts would yield is left out.
@@ -110,7 +110,7 @@ def _count_tests(count: int) -> str:
 
 
 def plan_tests(interface: Interface, result: Any, load: float | str) -> tuple[PlannedTests, ...]:
-    """Return plans of further tests with the pair's interval after these tests, the narrowest interval first.
+    """Return plans of further friction tests, sorted by the width of the interval that a pair would have after them.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ def plan_tests(interface: Interface, result: Any, load: float | str) -> tuple[Pl
 
 
 def _estimate_half_width(present: ValueWithLimits, common_error: float, error: float) -> float:
-    """Estimate the half width of the 95 % interval of a pair's coefficient after further tests of the same pair.
+    """Estimate the half width of the 95 % interval of a friction coefficient after further tests of the same pair.
 
     `error` is the relative standard error of the mean of these tests. The tests do not reduce `common_error`, which
     they share with the present tests.
@@ -187,7 +187,7 @@ def _estimate_half_width(present: ValueWithLimits, common_error: float, error: f
 
 
 def _limit_to_interval(planned: ValueWithLimits, present: ValueWithLimits) -> ValueWithLimits:
-    """Crop the interval that is expected after planned tests to the present interval of the coefficient.
+    """Limit the interval expected after planned tests to the present interval of the friction coefficient.
 
     Sampling scatter can make the expected interval wider than the present interval.
     """
@@ -196,7 +196,7 @@ def _limit_to_interval(planned: ValueWithLimits, present: ValueWithLimits) -> Va
 
 
 def _reweight(fit: StrengthFit, areas_per_load: Floats, expected: Floats, error: Floats) -> StrengthFit:
-    """Select joint samples of a fit in proportion to the likelihood of the expected results of planned tests.
+    """Select samples of mu0 and tau0 by how probable they make the expected results of planned friction tests.
 
     The planned tests have the given true areas per load (1/GPa), expected coefficients and standard errors.
     """
