@@ -13,7 +13,7 @@ from stiction._units import Quantity, quantity, quantity_in_core_units, short_re
 
 
 def split_values(value: Any) -> list[Any]:
-    """Split the argument `value` into its items: texts at commas, and lists into their elements; return a flat list.
+    """Split the argument `value` into a flat list: a text at its commas, and a list into its elements.
 
     A text is split at its commas. A one-dimensional list is returned with its texts split. Any other argument is the
     only item.
@@ -97,7 +97,7 @@ MAX_INPUT_NUMBER = 1e6
 
 
 def parse_coefficients(name: str, value: Any) -> list[float]:
-    """Parse one or more nonnegative numbers up to `MAX_INPUT_NUMBER` from an argument."""
+    """Parse one or more numbers from an argument, each of them from 0 to `MAX_INPUT_NUMBER`."""
     numbers = parse_numbers(name, value)
     if any(item < 0 for item in numbers):
         raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=short_repr(value))
@@ -116,9 +116,7 @@ def validate_nonnegative_values(name: str, values: list[Any], argument: Any) -> 
 
 
 def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantity, bool]:
-    """Parse a load, and return the load with True if it is a pressure, or with False if it is a force.
-
-    Returns False if it is a force.
+    """Parse a load. Return the load, and True if it is a pressure or False if it is a force.
 
     A number without a unit is a force in mN. A pressure acts on the slider.
     The load must be above 0 or, if `or_zero` is True, at least 0.

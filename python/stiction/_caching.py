@@ -17,7 +17,7 @@ if not TYPE_CHECKING and sys.version_info < (3, 12):
         """
 
         def __get__(self, instance: Any, owner: type[Any] | None = None) -> Any:
-            """Return the cached value of the property, which the first call computes."""
+            """Return the value of the property, which is computed on the first access and then cached."""
             if instance is None:
                 return self
             name, values = self.attrname, instance.__dict__

@@ -1,4 +1,4 @@
-"""Errors about invalid arguments, and errors of solvers."""
+"""Exceptions for invalid arguments, and for solvers that find no solution."""
 
 from __future__ import annotations
 

@@ -150,7 +150,7 @@ class Estimate:
         return replace(self, lower=lower, upper=upper)
 
     def text(self, digits: int = 2) -> str:
-        """Return value and interval as text, rounded to `digits` significant digits of the half width.
+        """Return value and interval as text, in which half the interval width has `digits` significant digits.
 
         The number has up to four significant digits; without an interval, it has two digits if `digits` is 1, and
         otherwise up to three. The interval is omitted if both limits are equal after rounding. The text is "none" if
@@ -215,7 +215,7 @@ def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
 def count_estimate_decimals(
     value: Floats, lower: Floats, upper: Floats, *, digits: int
 ) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
-    """Return the numbers of decimals of printed estimates, for values with lower limits and for upper limits.
+    """Return how many decimals to print: one array for values and lower limits, and one array for upper limits.
 
     The first array is for values and lower limits, the second array for upper limits. The number of decimals is
     negative for numbers that are rounded to tens or more. The second array contains `DECIMALS_CODE_OF_NO_INTERVAL` if

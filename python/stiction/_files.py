@@ -71,7 +71,7 @@ def replace_file_atomically(path: Path, mark: bytes, error_type: type[ValueError
 
 
 def check_replaceable(path: Path, mark: bytes, error_type: type[ValueError]) -> None:
-    """Raise an error of type `error_type` if a path exists and is not a file that contains the byte string `mark`.
+    """Raise an error of type `error_type` if a path exists, unless it is a file that contains the bytes `mark`.
 
     Stiction writes this mark to its files. A dangling link counts as existing.
     """
@@ -84,7 +84,7 @@ def check_replaceable(path: Path, mark: bytes, error_type: type[ValueError]) -> 
 
 
 def create_atomically(path: Path, content: bytes) -> None:
-    """Write a new file, which does not appear under its name before it is complete.
+    """Write a new file that appears under its final name only after it is complete.
 
     If several processes create the same path at the same time, exactly one succeeds, provided that the file system has
     hard links.
@@ -132,7 +132,7 @@ def new_partial_file_name() -> str:
 
 
 class DirectoryClaim:
-    """Claim of a directory by one run: a partial file in the directory, which exists until the `with` block ends.
+    """Claim that reserves a directory for one run, by a file that exists until the `with` block ends.
 
     A thread refreshes the file, because other machines ignore a claim that is older than `MAX_PARTIAL_FILE_AGE`. If the
     process is killed, the file stays and becomes stale, so that it does not lock the directory.
@@ -156,7 +156,7 @@ class DirectoryClaim:
                 self.file.unlink(missing_ok=True)
 
     def acquire(self) -> None:
-        """Create the claim's partial file in the directory, which must exist."""
+        """Create the file that claims the directory, which must exist, and refresh the file at regular intervals."""
         self.file.touch()
         if self._refresh_thread is None:
             self._refresh_thread = threading.Thread(target=self._refresh_regularly, daemon=True)

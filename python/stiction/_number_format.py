@@ -59,7 +59,7 @@ class NumberFormat(NamedTuple):
     digits: int
 
     def format(self, value: float) -> str:
-        """Format a number: divide the number by `factor`, round the quotient, and insert its digits into `text`."""
+        """Divide a number by `factor`, round the quotient, and return `text` with the rounded number inserted."""
         number_text = format_significant(value / self.factor, self.digits)
         return "none" if math.isnan(value) else self.text.replace("{}", number_text)
 
@@ -77,9 +77,7 @@ MIN_NUMBER_ROUNDED_TO_ONE = 0.9995
 
 
 def list_number_formats(kind: str) -> tuple[NumberFormat, ...]:
-    """Return the number formats that one name, such as "percent", stands for, the format of large numbers first.
-
-    The format for the largest numbers is the first.
+    """Return the formats for a kind of number, such as "percent", starting with the format for the largest numbers.
 
     Parameters
     ----------
@@ -112,7 +110,7 @@ def format_load(load: float, nominal_pressure: float) -> str:
 
 
 def format_percent(fraction: float) -> str:
-    """Format a fraction as a percentage, as in "37 %", with two digits below 1 % and from 10 % to 99 %."""
+    """Format a fraction as a percentage, as in "37 %", with two or three significant digits."""
     return format_number(fraction, "percent")
 
 
@@ -131,7 +129,7 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
 
 
 def _choose_item_by_size(value: float, items: Sequence[_Item]) -> _Item:
-    """Return the first item with a minimum, `item[0]`, up to the absolute value of a number; treat 0 and NaN as 1."""
+    """Return the first item whose first element is at most the absolute value of a number. Count 0 and NaN as 1."""
     size = 1.0 if value == 0 or math.isnan(value) else abs(value)
     return next(item for item in items if size >= MIN_NUMBER_ROUNDED_TO_ONE * item[0])
 

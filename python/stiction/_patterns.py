@@ -45,7 +45,7 @@ class LazyPattern:
         return self.compiled_pattern.search(text)
 
     def findall(self, text: str) -> list[str]:
-        """Return all matches in a text or, if the pattern has a group, the part of each match in the group."""
+        """Return all matches in a text. If the pattern has a group, return the text in this group for each match."""
         return self.compiled_pattern.findall(text)
 
     def split(self, text: str) -> list[str]:

@@ -175,7 +175,7 @@ def exact_quantity_text(value: float, unit: str) -> str:
 
 
 def exact_quantity(value: float, unit: str) -> Quantity:
-    """Convert a number in core units to a `Quantity`, without the check for implausible numbers in `quantity`."""
+    """Convert a number in core units to a `Quantity`, without checking whether the number is plausible."""
     return Quantity(value, exact_quantity_text(value, unit))
 
 

@@ -335,7 +335,7 @@ def _create_directory(directory: Path) -> None:
 
 
 def _warn_about_other_steps(directory: Path, key: str) -> None:
-    """Warn about stored steps of an interrupted shear test that had other inputs, or another version or machine."""
+    """Warn about stored steps of a shear test that had other inputs, another stiction version or another machine."""
     names = [printable_path(path) for path in find_steps_with_other_keys(directory, 0, key)]
     if names:
         warnings.warn(
@@ -348,7 +348,7 @@ def _warn_about_other_steps(directory: Path, key: str) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _ShearTestSetup:
-    """Setup of a shear test: the test at central inputs, and for its intervals, variations of inputs and strips."""
+    """Prepared shear test with central inputs, and the further tests from which its intervals are computed."""
 
     box: ShearBox
     offsets: NDArray[np.int64]
@@ -361,7 +361,7 @@ class _ShearTestSetup:
 
     @cached_property
     def interface_attributes(self) -> dict[str, str]:
-        """Sliding rule of a calibrated interface, and its caveats on one line each, as dataset attributes."""
+        """Dataset attributes that describe a calibrated interface: its sliding rule, and its caveats as text."""
         if self.strength is None:
             return {}
         caveats = find_interface_caveats(self.strength, self.interface_name, self.inputs)
@@ -382,7 +382,7 @@ def _build_shear_test_setup(
 
 
 def _cut_strips(box: ShearBox, offsets: NDArray[np.int64], strips: Any) -> list[ShearBox]:
-    """Cut a shear test into one test per strip, or raise an `ArgumentError` if `strips` is no possible number."""
+    """Cut the faces of a shear test into strips, and return one test per strip; reject an impossible strip count."""
     if strips is None:
         boxes = box.cut_strips(offsets)
         return boxes if len(boxes) >= MIN_STRIPS else []
@@ -412,7 +412,7 @@ def _compute_shear_tests(
     num_steps = len(offsets)
 
     def solve(index: int) -> tuple[list[StepResult], xr.Dataset]:
-        """Solve one shear test; return its curve and closure, and report the progress of all shear tests together."""
+        """Solve the shear test number `index`, and return the results of all steps and a dataset with the closure."""
 
         def show_total_progress(num_finished: int, _: int) -> None:
             if progress is not None:
@@ -447,7 +447,7 @@ def _compute_shear_tests(
 
 
 def _shears_before_sliding(box: ShearBox) -> int:
-    """Return 1 if slip-line theory predicts that asperities shear before they slide, and 0 otherwise."""
+    """Return 1 if slip-line theory predicts that the softer body shears before the contacts slide, and 0 otherwise."""
     law = FrictionLaw(box.law.mu0, box.law.tau0, CENTRAL_SHEAR_RATIO, uses_slip_lines=True)
     return int(box.hardness is not None and bool(law.is_stronger_than_body(box.hardness)))
 
@@ -525,7 +525,7 @@ def _build_shear_box(
     upper: Any, lower: Any, contact: MeasuredPair, *, load: Any, direction: Any, normal_stiffness: Any, boundary: Any,
     tilt: Any, level: Any, register: Any, tolerance: float,
 ) -> tuple[ShearBox, Registration | None]:  # fmt: skip
-    """Check the arguments of a shear test, and return the test setup with the registration of the two faces."""
+    """Check the arguments of a shear test, and return its shear box with the registration of the two faces."""
     is_profile = isinstance(lower, Profile)
     if isinstance(upper, Profile) != is_profile:
         raise ValueError(

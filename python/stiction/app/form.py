@@ -79,7 +79,7 @@ def page_data_json() -> str:
 
 
 def group_option_values(options: Iterable[tuple[str, str]]) -> dict[str, Any]:
-    """Convert pairs of an option name and a text, from the form, to keyword arguments of `MeasuredPair.from_values`."""
+    """Convert form entries (pairs of option name and text) to keyword arguments of `MeasuredPair.from_values`."""
     texts_by_name: dict[str, list[str]] = {}
     for flag, text in options:
         texts_by_name.setdefault(_OPTION_NAMES_BY_FLAG[flag], []).append(text)

@@ -117,7 +117,7 @@ class Job:
 
 
 class JobQueue:
-    """Queue of the app's jobs, and directory of their results."""
+    """Queue of the app's jobs, with the directory that contains the results of these jobs."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
@@ -355,7 +355,7 @@ def _read_shear_test(record: str) -> dict[str, Any]:
 
 
 def _read_reported_point(record: str) -> dict[str, Any]:
-    """Read the result point that the app displays: the first point marked as reported in the JSON record of a pair.
+    """Return the first result point that is marked as reported in the JSON record of a pair, for display in the app.
 
     If the record has no result points, its remark is raised as an error.
     """

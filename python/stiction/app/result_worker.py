@@ -20,7 +20,7 @@ from stiction.views.rows import point_record, summary_json
 
 
 def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
-    """Return the study from which a preview of a `pair` result is computed with the asperity model.
+    """Return the study that computes a preview of the command `pair` with the asperity model.
 
     Returns None if there is no preview.
     """

@@ -202,7 +202,7 @@ def _print_height_factor_results(
 def _select_cells_with_nearest_parameters(
     dataset: xarray.Dataset, dimensions: list[float] | None, amplitudes: Sequence[float] | None
 ) -> xarray.Dataset:
-    """Select the cells whose fractal dimensions and amplitudes (µm) are nearest to the requested numbers.
+    """Select the surfaces whose fractal dimensions and amplitudes (µm) are nearest to the requested numbers.
 
     By default, all dimensions and the first amplitude are selected.
     """

@@ -237,7 +237,7 @@ def _choose_scan_names(files: list[Path]) -> list[str]:
 def _print_scan_comparison(
     files: list[Path], scans: list[Characterisation], outputs: list[Path], *, as_json: bool
 ) -> None:
-    """Print the comparison of two scans of the same area, and write the output files that the user requests."""
+    """Print the comparison of two scans of the same place, and write the output files that the user requests."""
     from stiction.cli.result_output import choose_message_printer
     from stiction.surfaces.measured.writing import write_profile, write_surface
     from stiction.surfaces.profile import Profile
@@ -319,7 +319,7 @@ def _list_output_paths(files: list[Path], output: Path | None, *, together: bool
 
 
 def _select_row_or_column(body: Profile | Surface, row: int | None, column: int | None) -> Profile | Surface:
-    """Return one row or column of a surface as a profile, or the body unchanged if neither index is given."""
+    """Return the chosen row or column of a surface as a profile. If none is chosen, return the body unchanged."""
     from stiction.surfaces.profile import Profile
 
     for name, index, other_index in (("row", row, column), ("column", column, row)):
@@ -356,7 +356,7 @@ def _level_body(body: Profile | Surface, level: Any) -> Profile | Surface:
 
 
 def _reject_unused_options(context: typer.Context, *, together: bool, repeated: bool) -> None:
-    """Raise a `ValueError` if a given option has no effect on joined spectra, or on repeated scans."""
+    """Raise a `ValueError` if the user gave an option that has no effect on joined spectra or on repeated scans."""
     names = ["lc", "ls", "robust", "band", "texture", *(["tip"] if repeated else [])]
     given_names = [name for name in names if option_was_given(context, name)]
     if given_names and (together or repeated):

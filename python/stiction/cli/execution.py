@@ -37,7 +37,7 @@ def open_executor(workers: int | None, scheduler: str | None) -> contextlib.Abst
 
 
 def parse_part(text: str | None) -> tuple[int, int] | None:
-    """Parse the option `--part I/N`, which selects one of N parts of a computation, and return I and N."""
+    """Parse `--part I/N`, which selects part I of a computation in N parts, and return both numbers."""
     if text is None:
         return None
     match = re.fullmatch(r"([1-9][0-9]{0,8})/([1-9][0-9]{0,8})", text)

@@ -15,7 +15,7 @@ EXIT_BAD_INPUT = 2
 
 @contextmanager
 def exit_on_interrupt() -> Iterator[None]:
-    """Exit on Ctrl-C while modules are imported, because some modules catch all exceptions.
+    """Exit the process on Ctrl-C while modules are imported, because some modules catch all exceptions.
 
     OpenBLAS raises the same signal if it cannot start its threads, for example if the number of processes is limited.
     """

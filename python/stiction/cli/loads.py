@@ -1,4 +1,4 @@
-"""Option `--load` of commands that evaluate a stored result, and messages about loads that have no coefficient."""
+"""Option `--load` of commands that evaluate a stored result, and messages about loads without a coefficient."""
 
 from __future__ import annotations
 

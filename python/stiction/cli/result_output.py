@@ -31,7 +31,7 @@ VERBOSE_OPTION = "--verbose"
 
 
 def complete_output_command(result: Result) -> str:
-    """Return the command that prints all result points and caveats of a stored result without computing them again."""
+    """Return the command that prints the friction of a stored result at all loads, mu0 and tau0, with all caveats."""
     return f"stiction info {shlex.quote(printable_path(result.path or Path()))} {VERBOSE_OPTION}"
 
 
@@ -55,7 +55,7 @@ def print_result(result: Result, *, verbose: bool = False) -> None:
 
 
 def print_pair_values(result: Result, *, verbose: bool = False) -> None:
-    """Print the friction of a measured pair, but neither the cutoff study nor the onset of sliding."""
+    """Print the friction of a measured pair, without its cutoff study and without its onset of sliding."""
     options: dict[str, Any] = {"max_lines": MAX_CAVEAT_LINES, "complete_command": complete_output_command(result)}
     print_output(main_values_text(_summarize(result), verbose=verbose, **options))
 

@@ -203,7 +203,7 @@ def export(
 def _compute_joint(
     result: Result, directory: Path, workers: int | None, loads: list[float] | None, closure_from: str | None
 ) -> Result:
-    """Compute a pair at the loads that its joint table needs or, if `loads` is given, also at these loads (mN).
+    """Compute a pair at the loads that its joint table needs and, if `loads` is given, at these loads (mN) as well.
 
     A result of another study in the directory is replaced.
     """

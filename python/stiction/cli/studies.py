@@ -91,7 +91,7 @@ def studies(
 
 
 def _load_study(text: str) -> tuple[Study, Path]:
-    """Load a study by name, file or directory, and return it with the default directory of its result."""
+    """Load a study by its name, or from a file or a directory, and return it with its default result directory."""
     from stiction.study.study import Study, study_names
     from stiction.study.values import StudyError
 

@@ -152,7 +152,7 @@ def _split_at_commas(text: str) -> list[str]:
 
 
 def _choose_hardness(hardness: str | None, elasticity: PairElasticity) -> str | float | None:
-    """Return the given hardness, or else the hardness of the softer material, or else None (elastic bodies)."""
+    """Return the given hardness. If it is None, return the hardness of the softer material, or None if unknown."""
     from stiction.mechanics.materials import material, softer_hardness
 
     if hardness is not None or elasticity.materials is None:

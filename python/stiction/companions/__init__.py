@@ -1,1 +1,1 @@
-"""Results in addition to the main result: onset of sliding, scaled heights, several cutoffs, and single contacts."""
+"""Additional results of a pair: onset of sliding, scaled heights, several scan cutoffs, and single contacts."""

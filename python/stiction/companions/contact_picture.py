@@ -61,7 +61,7 @@ _COLUMN_SUFFIXES = {"fractal_dimension": "", "amplitude": "_um", "cut_off": "_um
 
 
 def contact_picture(result: MemberSums | xarray.Dataset, load: float | None = None) -> xarray.Dataset | None:
-    """Compute heights, contacts and pressures of the typical member, whose true area is nearest to the mean area.
+    """Compute heights, contacts and pressures of the member whose true area is nearest to the mean over members.
 
     Parameters
     ----------
@@ -235,7 +235,7 @@ def _build_map_picture_dataset(solution: PressedPair, table: ContactList) -> xar
 
 
 def _build_disc_map(lower: Surface, table: ContactList) -> NDArray[Any]:
-    """Return a map with the number of an asperity contact at all points of a disc with the area of the contact."""
+    """Return a map in which the number of each contact fills a disc with the position and the area of the contact."""
     contact_numbers, (dy, dx) = np.zeros(lower.heights.shape, np.int32), lower.spacing
     for number, (x, y, radius) in enumerate(zip(table.x, table.y, np.sqrt(table.area / np.pi), strict=True), 1):
         first_indices, last_indices = (
@@ -254,7 +254,7 @@ def _build_disc_map(lower: Surface, table: ContactList) -> NDArray[Any]:
 def build_contact_table(
     result: MemberSums, loads: ArrayLike, members: int | Sequence[int] | None = None
 ) -> pandas.DataFrame:
-    """Return a table of contacts, one per row, for selected members at given elastic loads (mN).
+    """Return a table with one row for each contact of the selected members, at given elastic loads (mN).
 
     `Result.contacts` describes the columns.
     """

@@ -1,4 +1,4 @@
-"""Friction and true area of a measured pair with heights multiplied by a factor, as for another surface finish.
+"""Friction and true area of a measured pair whose heights are multiplied by a factor, as for another finish.
 
 A separate study is computed for each factor, and stored in the directory of the result. Friction at other factors is
 interpolated.
@@ -203,7 +203,7 @@ def scale_study_heights(study: Study, factor: float, scaled: ScaledBodies) -> St
 
 
 def find_factor_study(study: Study, path: Path, factor: float, scaled: ScaledBodies) -> CompanionStudy:
-    """Return the companion study of a pair in which the heights of the chosen bodies are multiplied by a factor."""
+    """Return a study and its directory: a pair in which the heights of the chosen bodies are multiplied by a factor."""
     return CompanionStudy(
         scale_study_heights(study, factor, scaled), path / HEIGHT_SCALE_DIRECTORY / f"{scaled}-{factor:.6g}"
     )
@@ -252,7 +252,7 @@ def compute_results_at_height_factors(
     result: StoredResult, factors: Any, scaled: ScaledBodies = "both", executor: Executor | None = None, *,
     progress: bool = False, announce: Callable[[str], Any] = lambda _: None,
 ) -> None:  # fmt: skip
-    """Compute and store the results of a pair with scaled heights, so that given height factors can be evaluated.
+    """Compute and store results of a pair with scaled heights, from which friction at given height factors follows.
 
     Each factor is stored as a separate result, so that finished factors are kept if the run is interrupted. `announce`
     is called with a line of text before each factor. Raises the errors of `evaluate_at_height_factors` and of
@@ -385,7 +385,7 @@ def evaluate_at_height_factors(
 
 
 def _get_member_values(members: xarray.Dataset, name: str, dims: Sequence[Any]) -> Floats | None:
-    """Return a quantity of each member as an array, with the members on the first axis and `dims` on the next axes.
+    """Return one quantity as an array whose first axis contains the members and whose next axes are `dims`.
 
     Returns None if the members do not have the quantity.
     """
@@ -405,7 +405,7 @@ def _get_member_values(members: xarray.Dataset, name: str, dims: Sequence[Any]) 
 
 
 def _compute_rms_heights(study: Study) -> dict[str, float]:
-    """Return the rms height (µm) of each body of the first member, by side; empty if a scan file is missing."""
+    """Return the rms heights (µm) of upper and lower body in the first member, or {} if a scan file is missing."""
     try:
         return {side: float(np.std(body.heights)) for side, body in zip(SIDES, get_first_pair(study), strict=True)}
     except (ValueError, OSError):

@@ -432,7 +432,7 @@ _MICROMETRE_ATTRIBUTES = {"units": "um"}
 
 
 def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
-    """Return a map of slip loads: the tangential load at which each point starts to slip, divided by the sliding load.
+    """Return a map of the tangential load at which each point starts to slip, as a fraction of the sliding load.
 
     In the asperity model, each contact has such a load instead of each grid point. The variables include the heights of
     the lower body. In large maps, each block of neighbouring points is represented by the point that slips first. For

@@ -53,7 +53,7 @@ MAX_CUTOFF_TO_SIDE_RATIO = 1 / 30
 
 
 def build_cutoff_study(study: Study) -> Study | None:
-    """Return the study that computes a measured pair at several cutoffs, with few members and only requested loads.
+    """Return the study of a measured pair at several cutoffs, with few members and only the requested loads.
 
     The first cutoff is the cutoff of the original study. The second cutoff is the shortest resolved wavelength if the
     scans are unfiltered, or twice the first cutoff if they are filtered. Each further cutoff is twice the previous one.
@@ -110,7 +110,7 @@ def find_cutoff_study(study: Study, path: Path) -> CompanionStudy | None:
 
 
 def _find_first_scan_member(study: Study) -> int:
-    """Return the index of the first member that is cut from scans instead of surrogates.
+    """Return the index of the first member that consists of scans instead of surrogates.
 
     Returns 0 if all members are surrogates.
     """
@@ -164,7 +164,7 @@ class ResolvedRoughness:
         return float(self.roughness.fraction_below(2 * self.shortest))
 
     def find_yield_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
-        """Estimate the cutoff (µm) at which the pressure of elastic contacts is `ratio` times that without a filter.
+        """Estimate the cutoff (µm) at which elastic contacts have `ratio` times their pressure without a filter.
 
         The scans contain all wavelengths from the shortest resolved one. Returns the cutoff with its lower and upper
         limit.
@@ -174,7 +174,7 @@ class ResolvedRoughness:
         return brackets.plastic_wavelength(self.roughness, self.estimate, gradient, kappa_factor)
 
     def extrapolate_to_finer_scans(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
-        """Extrapolate the rms gradient of the gap, and the area fraction of elastic contacts, to finer scans.
+        """Extrapolate the rms gradient of the gap, and the area fraction of elastic contacts, to shorter wavelengths.
 
         Returns the shortest wavelengths (µm) of the finer scans, the gradients, and the area fractions. Gradients and
         area fractions are triples of value, lower limit and upper limit.
@@ -225,7 +225,7 @@ def _compute_resolved_roughness(study: Study) -> ResolvedRoughness:
 
 
 def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | None:
-    """Return lower bounds on mu_s and on the area fraction for all finer scans, if the bodies can yield.
+    """Return lower bounds on mu_s and on the true area fraction for all finer scans, if the bodies can yield.
 
     With friction at all contacts, the bound of mu_s is mu0 + tau0/H'. If the interface is stronger than the softer body
     with shear strength k, the bound is k/(H/2). The bound of the area fraction is p/H, where p is the nominal pressure.
@@ -239,7 +239,7 @@ def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, floa
 
 @dataclass(frozen=True)
 class YieldWavelengthEstimate:
-    """Cutoff (µm) at which elastic contacts reach a hardness H, and the friction mu0 + tau0/H of yielding contacts."""
+    """Cutoff at which the pressure of elastic contacts reaches a hardness, and the friction of yielding contacts."""
 
     hardness: float
     wavelength: Estimate  # µm, NaN if the pressure stays below the hardness

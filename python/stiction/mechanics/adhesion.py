@@ -248,7 +248,7 @@ class AdhesionSolver:
         return _to_adhesion_state(result), bool(result["is_balanced"])
 
     def _start_iteration(self, near: AdhesionState | None) -> _IterationState:
-        """Return the first state of an iteration: the stored state of an interrupted run or, without one, `near`."""
+        """Return the state from which an iteration starts: the state of an interrupted run or, without one, `near`."""
         if (state := self.record.read_state()) is not None:
             return _IterationState.from_step_result(state)
         if near is None:
@@ -258,7 +258,7 @@ class AdhesionSolver:
     def _iterate_to_equilibrium(
         self, state: _IterationState, contact_load: Callable[[float], float], max_factor: float
     ) -> Iterator[tuple[AdhesionState, float]]:
-        """Yield the contact state and the relative change of the attraction after each iteration, until separation.
+        """Iterate the attraction until the bodies separate; yield contact states and relative attraction changes.
 
         The contact load (GPa) is a function of the mean attraction. After `NUM_UNACCELERATED_STEPS` plain steps, a step
         is extrapolated as a geometric series with the ratio of the last two changes, limited to `max_factor` times the
@@ -434,7 +434,7 @@ class AdhesionSolver:
         return states
 
     def _is_minimum_certain(self, states: list[AdhesionState], start: AdhesionState) -> bool:
-        """Return whether it is certain that the bodies separate slightly below the lowest load in `states`.
+        """Return whether the bodies certainly separate at a load slightly below the lowest load of all `states`.
 
         If bounds on the load do not decide, iterations from the equilibrium `start` do. Extrapolated steps may pass an
         equilibrium, plain steps cannot.
@@ -483,7 +483,7 @@ class AdhesionSolver:
         return EnergyMinimizer(self)
 
     def _find_pull_off_load_on_coarser_grid(self, start: AdhesionState) -> float:
-        """Return the lowest external pressure (GPa) that the bodies support, computed on a grid of twice the spacing.
+        """Return the lowest external pressure (GPa) that the bodies support, computed with twice the grid spacing.
 
         The energy minimization on this grid starts from the contact `start`. Returns 0 if the grid is small or no such
         load is found.
@@ -507,7 +507,7 @@ class AdhesionSolver:
             return 0.0
 
     def extend_unloading_states(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Append equilibria at lower and lower contact loads to a series, and return the extended series.
+        """Append equilibria at smaller and smaller contact loads to a series of states, and return the longer series.
 
         The series ends when the external load rises, or when no further equilibrium is found.
         """
@@ -551,7 +551,7 @@ class AdhesionSolver:
         )
 
     def refine_minimum_load(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Return `states` with further equilibria, where interpolation predicts a lower external load."""
+        """Return `states` with additional equilibria near the lowest external load that interpolation predicts."""
         states = list(states)
         for _ in range(MAX_REFINEMENT_SOLVES):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)
@@ -639,7 +639,7 @@ class EnergyMinimizer:
 
 
 def _extrapolation_factor(residual: float, previous_residual: float, max_factor: float) -> float:
-    """Return the length of an extrapolated step of the attraction, relative to a plain step, up to `max_factor`.
+    """Return the factor by which extrapolation lengthens an iteration step of the attraction, at most `max_factor`.
 
     It is the sum 1/(1 - r) of the geometric series whose ratio r is the ratio of the two last residuals.
     """
@@ -655,7 +655,7 @@ def find_state_of_lowest_load(states: list[AdhesionState]) -> AdhesionState:
 def _interpolate_minimum_load(
     states: list[AdhesionState], upper: AdhesionState, lower: AdhesionState
 ) -> tuple[float, float]:
-    """Return the lowest external load predicted by interpolation between equilibria, and the contact load there (GPa).
+    """Return the lowest external load (GPa) that interpolation predicts, and the contact load (GPa) at this minimum.
 
     The mean attraction is interpolated by a polynomial in the logarithm of the contact load.
     """
@@ -694,7 +694,10 @@ def solve_with_adhesion(
 def solve_separation(
     contact_solution: ContactSolution, *, tolerance: float, record: SolutionRecord
 ) -> tuple[list[ContactSolution], str]:
-    """Return the contact solutions during separation, and why the pull-off load is uncertain ("" if it is certain)."""
+    """Return the contact solutions while the bodies separate, and the reason if the pull-off load is uncertain.
+
+    The reason is "" if the pull-off load is certain.
+    """
     problem, total_area = (
         contact_solution.problem,
         contact_solution.problem.cell_area * contact_solution.problem.gap.size,

@@ -25,7 +25,7 @@ EXTRAPOLATED_WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
 def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
-    """Return the factor that bounds, in 95 % of cases, the change of κ = A E* h'/F if the scan becomes finer.
+    """Return the largest factor by which κ = A E* h'/F changes, in 95 % of cases, if the scan becomes finer.
 
     The coefficient κ = A E* h'/F relates the real contact area A to the load F and to the rms gradient h'.
 
@@ -36,7 +36,7 @@ def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
 
 
 def gap_rms_gradient(gap: Profile | Surface, *, periodic: bool) -> float:
-    """Return the rms gradient of a gap, from its slopes at grid points; the half-space model uses the same slopes."""
+    """Return the rms gradient of a gap, computed from slopes at the grid points as in the half-space model."""
     gap_slopes = grid_slopes(gap.heights, gap.spacings, periodic=periodic)
     return math.sqrt(sum(float(np.mean(np.square(slope))) for slope in gap_slopes))
 
@@ -55,7 +55,7 @@ def estimate_gap_hurst_exponent(gap: Profile | Surface, periodic: bool) -> Hurst
 def plastic_wavelength(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, gradient: float, spread: float
 ) -> tuple[float, float, float]:
-    """Return the cutoff (µm) at which a gap has the rms gradient `gradient`, with lower and upper limit of the cutoff.
+    """Return the cutoff (µm) at which a gap has the rms gradient `gradient`, with limits of this cutoff.
 
     The limits follow from the Hurst exponent's interval and from a relative uncertainty of the gradient by the factor
     `spread`. NaN is returned if there is no such wavelength.
@@ -134,7 +134,7 @@ def max_area_for_finer_scans(area: ArrayLike, plastic_area: ArrayLike, contact_c
 def friction_range_for_finer_scans(
     value: float, mu0: float, adhesion: float, contact_count: float, upper: float | None = None
 ) -> tuple[float, float]:
-    """Return the lowest and highest mu_s for any finer scan, if contacts yield and all contacts have friction.
+    """Return the lowest and the highest mu_s that finer scans can give, if contacts yield and all have friction.
 
     `value` is mu_s of this scan, and `adhesion` is tau0/H. The upper limit is computed from `value`, or from `upper` if
     given.
@@ -160,7 +160,7 @@ def max_friction_for_finer_scans(
 
 
 def add_finer_scan_bounds(result: xr.Dataset, hardness: float, strengths: tuple[float, float] | None) -> xr.Dataset:
-    """Add plastic area F/H, plastic friction coefficient, and bounds for finer scans to a `resolution` dataset."""
+    """Add the area F/H, the friction of yielding contacts, and bounds for finer scans to a `resolution` dataset."""
     loads, area = result.normal_load.values, result.contact_area.values
     nominal_area = result.attrs["nominal_area_um2"]
     plastic_area = loads / hardness
