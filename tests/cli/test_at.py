@@ -177,6 +177,29 @@ def test_at_command_accepts_comma_separated_values_and_repeated_options(results_
     )
 
 
+def test_at_command_marks_the_value_to_which_the_range_of_the_study_applies(results_directory, tmp_path):
+    shutil.copytree(results_directory / "maps", tmp_path / "maps")
+    ranges = ("--set", 'friction.mu0="0.25..0.35"', "--set", 'friction.tau0="0..40 MPa"')
+    check_stiction("run", "maps", *ranges, cwd=tmp_path, without_figures=True, without_report=True)
+    arguments = ("at", "maps", "--load", "10 MPa", "--mu0", "0.3", "--tau0", "0 MPa,20 MPa,40 MPa")
+    lines = get_stiction_output(*arguments, cwd=tmp_path).splitlines()
+    table = [line for line in lines if line.startswith(("0 ", "20 MPa", "40 MPa"))]
+    assert [re.split("  +", line)[0] for line in table] == ["0", "20 MPa (0..40 MPa)", "40 MPa"]
+    text = " ".join(" ".join(lines).split())
+    assert "τ0 = 20 MPa with the study's range (0..40 MPa), every other τ0 exact" in text
+    assert "μ0 = 0.3 (0.25..0.35)" in text
+    points = json.loads(get_stiction_output(*arguments, "--json", cwd=tmp_path))["points"]
+    assert [point["ranges"]["tau0"] for point in points] == [None, "0..40 MPa", None]
+    assert {point["ranges"]["mu0"] for point in points} == {"0.25..0.35"}
+    widths = {
+        point["at"]["tau0"]: np.ptp([point["rules"][0]["coefficient"][end] for end in ("lower", "upper")])
+        for point in points
+    }
+    assert widths[0.02] > max(widths[0.0], widths[0.04])
+    exact_points = json.loads(get_stiction_output(*arguments, "--mu0", "0.32", "--json", cwd=tmp_path))["points"]
+    assert {point["at"]["mu0"]: point["ranges"]["mu0"] for point in exact_points} == {0.32: None}
+
+
 @pytest.mark.parametrize(
     ("arguments", "expected_words"),
     [
@@ -195,6 +218,8 @@ def test_at_command_accepts_comma_separated_values_and_repeated_options(results_
         (("maps", "--load", "1 mN", "--amplitude", "1 um"), ["--amplitude applies only to studies"]),
         (("maps", "--load", "1 mN", "--direction", "31"), ["--direction must be one of the directions in"]),
         (("nowhere", "--load", "1 mN"), ["nowhere: no such directory"]),
+        (("maps", "--mu0", "0.1..0.2"), ["--mu0 must be one or more numbers without ranges, got '0.1..0.2'"]),
+        (("lines", "--tau0", "5±1 MPa"), ["""stiction run lines --set 'friction.tau0="5±1 MPa"'"""]),
     ],
 )
 def test_error_of_the_at_command_names_the_rejected_option(results_directory, arguments, expected_words):

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from stiction._errors import ArgumentError
+from stiction._text import printable_path, printable_text
 from stiction.cli.application import command, print_output, report_interruption, show_status
 from stiction.cli.loads import LoadsOption, parse_loads, report_missing_loads
 from stiction.cli.options import JsonOption, VerboseOption, WorkersOption, option, reject_options
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     import xarray
 
     from stiction.solve.store import StoredResult
+    from stiction.study.study import Study
     from stiction.summary.summary import PointSummary
 
 
@@ -86,9 +88,11 @@ def at(
     """Print the static friction, true contact area and stiffness of a result at given loads, with intervals.
 
     Loads, mu0 and tau0 default to the values of the study. Other values need no new contact computation, but loads must
-    be between the smallest and the largest computed load. A warning names loads outside this range; if no load has
-    values, the exit status is 2. If there are more points than fit on a screen, a selection is printed; --verbose and
-    --json contain all points. Each factor of --scale-heights is computed once and stored with the result.
+    be between the smallest and the largest computed load. Intervals include the range of mu0 or tau0 in the study only
+    at its central value, next to which the range is printed; any other value is exact. A warning names loads outside
+    the computed range; if no load has values, the exit status is 2. If there are more points than fit on a screen, a
+    selection is printed; --verbose and --json contain all points. Each factor of --scale-heights is computed once and
+    stored with the result.
     """
     from stiction._arguments import (
         parse_coefficients,
@@ -108,6 +112,8 @@ def at(
     )
 
     result = open_result_with_warning(directory)
+    for name, text in (("mu0", mu0), ("tau0", tau0)):
+        _reject_range(name, text, directory, result.study)
     mu0_values = None if mu0 is None else parse_coefficients("mu0", mu0)
     tau0_values = None
     if tau0 is not None:
@@ -157,6 +163,25 @@ def at(
         print_output(result_text(summary, verbose=verbose, complete_command=VERBOSE_OPTION))
         if neighbours:
             print_output(interpolation_text(neighbours, node_points, result.nominal_area))
+
+
+def _reject_range(name: str, text: str | None, directory: Path, study: Study) -> None:
+    """Raise an `ArgumentError` if the text for mu0 or tau0 is a range or contains an uncertainty.
+
+    For measured bodies, the message contains the command that accepts the text.
+    """
+    from stiction.study.input_distributions import parse_study_input
+
+    try:
+        if text is None or parse_study_input(name, text).is_exact:
+            return
+    except ValueError:
+        # The text is a list of numbers, or the caller reports a better error.
+        return
+    message = f"{{{name}}} must be one or more numbers without ranges, got {{got}}"
+    if study.is_measured:
+        message += f"; for another range, run stiction run {{directory}} --set 'friction.{name}=\"{{text}}\"'"
+    raise ArgumentError(message, got=repr(text), directory=printable_path(directory), text=printable_text(text))
 
 
 def _print_height_factor_results(

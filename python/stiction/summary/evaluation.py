@@ -239,7 +239,8 @@ class Evaluation(MemberSums):
             of the study.
         mu0 : array_like of float, optional
         tau0 : str or array_like of float, GPa, optional
-            Such as "50 MPa".
+            Such as "50 MPa". Intervals include the range of mu0 or tau0 in the study only at its central value, and any
+            other value is exact.
         load_definition : {"mean", "elastic", "normal"}, optional
             Definition of the load, as for `at_load`.
         quantities : collection of str, optional

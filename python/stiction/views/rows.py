@@ -29,7 +29,13 @@ from stiction.views.onset import onset_record
 from stiction.views.pull_off import pull_off_record
 from stiction.views.quantities import quantity_label
 from stiction.views.resolution import resolution_record
-from stiction.views.sentence import covered_inputs_text, list_assumptions, quotable_sentence, strength_note
+from stiction.views.sentence import (
+    covered_inputs_text,
+    find_covered_range,
+    list_assumptions,
+    quotable_sentence,
+    strength_note,
+)
 
 if TYPE_CHECKING:
     import pandas
@@ -340,6 +346,7 @@ def point_record(point: PointSummary) -> dict[str, Any]:
     """Return a result point as JSON fields: reported friction, intervals, assessment and caveats."""
     return {
         "at": point.at,
+        "ranges": {name: find_covered_range(point, name) or None for name in ("mu0", "tau0")},
         "cutoffs": None if point.cutoffs is None else _build_body_fields(map(list, point.cutoffs)),
         # False for a point at a further cutoff, which the interval of a reported point already covers.
         "reported": not point.covered,

@@ -146,8 +146,8 @@ def inputs_text(point: PointSummary, points: Sequence[PointSummary] = ()) -> str
     if "amplitude" in point.at:
         items.append(f"amplitude {format_with_unit(point.at['amplitude'], 'um')}")
     if point.are_strengths_separated:
-        items.append(f"μ0 = {point.at['mu0']:g}{_input_range_text(point, 'mu0')}")
-        items.append(f"τ0 = {coordinate_text('tau0', point.at['tau0'])}{_input_range_text(point, 'tau0')}")
+        items.append(f"μ0 = {point.at['mu0']:g}{input_range_text(point, 'mu0')}")
+        items.append(f"τ0 = {coordinate_text('tau0', point.at['tau0'])}{input_range_text(point, 'tau0')}")
     if point.has_values_of_interface:
         items.append(_interface_text(point))
     if materials := material_names_text(study):
@@ -205,10 +205,19 @@ def area_loss_text(study: Study, loss: UncertainInput) -> str:
     return f"{'elastomer' if is_soft else 'elastic'}, area loss under shear {loss.short_text}"
 
 
-def _input_range_text(point: PointSummary, name: str) -> str:
+def input_range_text(point: PointSummary, name: str) -> str:
     """Return the range of mu0 or tau0 in brackets; "" if the input is exact, or if the point has another value."""
+    range_text = find_covered_range(point, name)
+    return f" ({range_text})" if range_text else ""
+
+
+def find_covered_range(point: PointSummary, name: str) -> str:
+    """Return the range of mu0 or tau0 that the interval of a point covers; "" if mu0 or tau0 is exact.
+
+    The range of the study applies only to its central value. Any other value is exact.
+    """
     entry = Inputs.from_study(point.study).uncertain.get(name)
-    return f" ({entry.estimate.text})" if entry is not None and has_central_value(point.study, point.at, name) else ""
+    return entry.estimate.text if entry is not None and has_central_value(point.study, point.at, name) else ""
 
 
 def _interface_text(point: PointSummary) -> str:
@@ -297,7 +306,19 @@ def shared_conditions_text(points: Sequence[PointSummary]) -> str:
     common_inputs_note = f"with {', '.join(common_inputs)}; " if common_inputs else ""
     assumptions = list_assumptions(points[0].study)
     assumptions_note = f"; assuming {', '.join(assumptions)}" if assumptions else ""
-    return f"{common_inputs_note}{result_point_note(points[0])}{assumptions_note}"
+    return f"{common_inputs_note}{_varying_ranges_note(points)}{result_point_note(points[0])}{assumptions_note}"
+
+
+def _varying_ranges_note(points: Sequence[PointSummary]) -> str:
+    """Return a note on mu0 or tau0 if its range applies to one of several values, and the other values are exact."""
+    notes = []
+    for name, symbol in (("mu0", "μ0"), ("tau0", "τ0")):
+        texts = {point.at[name]: input_range_text(point, name) for point in points if point.are_strengths_separated}
+        if len(texts) > 1 and any(texts.values()):
+            value, range_text = next(item for item in texts.items() if item[1])
+            value_text = coordinate_text(name, value) if name == "tau0" else f"{value:g}"
+            notes.append(f"{symbol} = {value_text} with the study's range{range_text}, every other {symbol} exact; ")
+    return "".join(notes)
 
 
 def _averaged_members_text(point: PointSummary) -> str:

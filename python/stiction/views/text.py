@@ -44,6 +44,7 @@ from stiction.views.pull_off import pull_off_text
 from stiction.views.quantities import quantities_paragraph
 from stiction.views.resolution import resolution_paragraphs
 from stiction.views.sentence import (
+    input_range_text,
     no_values_text,
     point_detail_sentences,
     roughness_text,
@@ -365,11 +366,17 @@ def coefficients_paragraph(points: Sequence[PointSummary]) -> Paragraph:
     rows = [[*(COORDINATE_LABELS.get(name, name) for name in varying_names), *headings, "assessment"]]
     for point in points:
         coefficients = [coefficient_text(point, rule) for rule in point.rules]
-        coordinates = [
-            point_load_text(point) if name == "load" else point_coordinate_text(point, name) for name in varying_names
-        ]
+        coordinates = [_table_coordinate_text(point, name) for name in varying_names]
         rows.append([*coordinates, *coefficients, point.assessment])
     return [Table(rows, num_labels=len(varying_names)), WrappedText(shared_conditions_text(points), indent="  ")]
+
+
+def _table_coordinate_text(point: PointSummary, name: str) -> str:
+    """Return a coordinate of a result point as text for a table: mu0 and tau0 with the range that intervals cover."""
+    if name == "load":
+        return point_load_text(point)
+    has_range = name in ("mu0", "tau0") and point.are_strengths_separated
+    return point_coordinate_text(point, name) + (input_range_text(point, name) if has_range else "")
 
 
 # ---- Directions ------------------------------------------------------------------------------------------------------
