@@ -9,7 +9,7 @@ import numpy as np
 
 from stiction._checks import validate_number
 from stiction._errors import ArgumentError
-from stiction._units import Quantity, quantity, quantity_in_core_units, short_repr, unit_names
+from stiction._units import Quantity, quantity, quantity_in_core_units, short_repr, to_core_units, unit_names
 
 
 def split_values(value: Any) -> list[Any]:
@@ -55,6 +55,31 @@ def parse_quantities(name: str, value: Any, kind: str) -> list[Quantity]:
     """Parse one or more quantities of a kind such as "pressure" from an argument."""
     reject_decimal_commas(name, value)
     return [parse_quantity(name, item, kind) for item in _split_required_values(name, value)]
+
+
+def contains_text(value: Any) -> bool:
+    """Return whether an argument is a text, or a list or tuple with a text."""
+    return isinstance(value, str) or (isinstance(value, (list, tuple)) and any(isinstance(item, str) for item in value))
+
+
+def split_texts(name: str, value: Any) -> Any:
+    """Split an argument's texts at commas, as on the command line; return any other argument unchanged.
+
+    Raises an `ArgumentError` if a comma may be a decimal mark.
+    """
+    if not contains_text(value):
+        return value
+    reject_decimal_commas(name, value)
+    items = split_values(value)
+    return value if len(items) == 1 and isinstance(value, str) else items
+
+
+def convert_friction_parameters(mu0: Any, tau0: Any) -> tuple[Any, Any]:
+    """Convert mu0 and tau0 (GPa) that are given as texts to numbers; return numbers and None unchanged."""
+    return (
+        parse_coefficients("mu0", mu0) if contains_text(mu0) else mu0,
+        to_core_units("tau0", split_texts("tau0", tau0), "pressure"),
+    )
 
 
 _DECIMAL_COMMA_PATTERN = re.compile(r"(?<![\d.])\d+,\d+(?!\d|\.(?!\.))")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray
 from stiction import (
+    Result,
     Study,
     approach_at_load,
     area_map,
@@ -595,3 +596,35 @@ def test_interpolation_error_midway_between_loads_equals_its_closed_form():
         lambda values: np.array([0.0, -1.0, 1.0]),
     )
     assert means == pytest.approx([0.0, -(0.75**0.5), 0.75**0.5])
+
+
+def test_at_accepts_the_texts_of_the_command_line(areal_study_and_dataset):
+    result = Result.of(areal_study_and_dataset[1])
+    loads = result.study.contact.loading_steps()[[1, 2]]
+    load_texts = [f"{load!r} mN" for load in loads.tolist()]
+    expected = result.at(loads, mu0=[0.3, 0.4], tau0=[0.01, 0.05], quantities=[])
+    for load, mu0, tau0 in (
+        (load_texts, ["0.3", "0.4"], ["10 MPa", "50 MPa"]),
+        (",".join(load_texts), "0.3,0.4", "10 MPa,50 MPa"),
+        ([", ".join(load_texts)], "0.3, 0.4", ["10 MPa", 0.05]),
+    ):
+        xarray.testing.assert_identical(result.at(load, mu0=mu0, tau0=tau0, quantities=[]), expected)
+    single = result.at(load_texts[0], mu0="0.3", tau0="50 MPa", quantities=[])
+    xarray.testing.assert_identical(single, result.at(loads[0], mu0=0.3, tau0=0.05, quantities=[]))
+    for arguments, message in (
+        ({"mu0": "rough"}, "mu0 must be one or more numbers, as in"),
+        ({"mu0": "0,2"}, "mu0 must not have a comma between digits, got '0,2'"),
+        ({"mu0": "-0.2"}, "mu0 must be at least 0, got '-0.2'"),
+        ({"tau0": "10 MPa,5 um"}, "tau0 has the unit 'um', which is not a unit of pressure"),
+        ({"load": "10 mN,5 um"}, "load must be a force or a pressure with its unit"),
+        ({"load": "0,2 mN"}, "load must not have a comma between digits, got '0,2 mN'"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            result.at(**arguments)
+
+
+def test_at_names_the_nearest_quantity_to_an_unknown_name(areal_study_and_dataset):
+    result = Result.of(areal_study_and_dataset[1])
+    assert "contact_area" in list(result.at())
+    with pytest.raises(ValueError, match=r"list\(result.at\(\)\), got 'contactarea'; did you mean 'contact_area'\?"):
+        result.at(quantities=["contactarea"])

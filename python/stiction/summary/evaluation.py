@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import replace
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stiction._arguments import convert_friction_parameters, split_texts
 from stiction._checks import check_bool, check_instance, make_read_only, parse_names, validate_whole_number
 from stiction._units import loads_to_core_units, short_repr, to_core_units
 from stiction.companions.contact_forces import compute_contact_forces
@@ -236,17 +238,18 @@ class Evaluation(MemberSums):
         ----------
         load : str or array_like of float, mN, optional
             Loads such as "10 mN" or, except for generated profiles, "10 MPa" on the nominal area; by default the loads
-            of the study.
-        mu0 : array_like of float, optional
+            of the study. Several loads are a list, ["3 MPa", "10 MPa"], or a text, "3 MPa,10 MPa".
+        mu0 : str or array_like of float, optional
+            Such as 0.3, [0.3, 0.4] or "0.3,0.4".
         tau0 : str or array_like of float, GPa, optional
-            Such as "50 MPa". Intervals include the range of mu0 or tau0 in the study only at its central value, and any
-            other value is exact.
+            Such as "50 MPa", ["10 MPa", "50 MPa"] or "10 MPa,50 MPa". Intervals include the range of mu0 or tau0 in
+            the study only at its central value, and any other value is exact.
         load_definition : {"mean", "elastic", "normal"}, optional
             Definition of the load, as for `at_load`.
         quantities : collection of str, optional
-            Names of quantities to evaluate besides friction, such as ["contact_area"]; all by default. Quantities
-            that show whether the model is valid, such as "share_beyond_hertz", are also evaluated only if they are
-            named; a summary contains no caveats about omitted quantities.
+            Names of quantities to evaluate besides friction, such as ["contact_area"]; by default all, which
+            ``list(result.at())`` lists. Quantities that show whether the model is valid, such as "share_beyond_hertz",
+            are also evaluated only if they are named; a summary contains no caveats about omitted quantities.
         per_member : bool
             True to return the values of each member, as `member_values` does, instead of means and intervals.
         budget : bool
@@ -286,18 +289,21 @@ class Evaluation(MemberSums):
                 raise ValueError("quantities must be None if per_member, budget or height_scale is given")
             quantities = parse_names("quantities", quantities)
             if unknown_names := [name for name in quantities if name not in QUANTITIES]:
+                suggestions = difflib.get_close_matches(unknown_names[0], QUANTITIES, n=1)
+                hint = f"; did you mean {suggestions[0]!r}?" if suggestions else ""
                 raise ValueError(
-                    f"quantities must be names in the table of quantities, got {short_repr(unknown_names[0])}"
+                    "quantities must be names of variables of the dataset, as listed by list(result.at()), "
+                    f"got {short_repr(unknown_names[0])}{hint}"
                 )
         if height_scale is not None:
             return self._evaluate_at_height_factors(height_scale, load, mu0, tau0, load_definition, scaled, compute)
         loads = self.default_loads if load is None else self._to_forces(load)
-        strengths = to_core_units("tau0", tau0, "pressure")
+        mu0, tau0 = convert_friction_parameters(mu0, tau0)
         if per_member:
             load_definition = "elastic" if load_definition is None else load_definition
-            values = member_values(self, loads, mu0=mu0, tau0=strengths, load_definition=load_definition)
+            values = member_values(self, loads, mu0=mu0, tau0=tau0, load_definition=load_definition)
         else:
-            values = at_load(self, loads, mu0=mu0, tau0=strengths, load_definition=load_definition, names=quantities)
+            values = at_load(self, loads, mu0=mu0, tau0=tau0, load_definition=load_definition, names=quantities)
             values = add_uncertainty(values, self, budget=budget)
         # A copy is returned, because other results share the cached arrays.
         return values.copy(deep=True)
@@ -314,10 +320,10 @@ class Evaluation(MemberSums):
             raise ValueError("height_scale needs a stored result, as returned by pair() or open_result()")
         factors = parse_height_factors(factors)
         loads = self.default_loads if load is None else self._to_forces(load)
-        strengths = to_core_units("tau0", tau0, "pressure")
+        mu0, tau0 = convert_friction_parameters(mu0, tau0)
         if compute:
             compute_results_at_height_factors(self.stored, factors, scaled)
-        return evaluate_at_height_factors(self.stored, factors, loads, mu0=mu0, tau0=strengths, scaled=scaled)
+        return evaluate_at_height_factors(self.stored, factors, loads, mu0=mu0, tau0=tau0, scaled=scaled)
 
     @property
     def nominal_area(self) -> float | None:
@@ -332,7 +338,7 @@ class Evaluation(MemberSums):
 
         A load that is given as a pressure is multiplied by the nominal area.
         """
-        area = self.nominal_area
+        area, load = self.nominal_area, split_texts("load", load)
         return to_core_units("load", load, "force") if area is None else loads_to_core_units("load", load, area)
 
     def contacts(
