@@ -36,7 +36,7 @@ void add_scaled(const float* response, std::size_t size, double factor, double* 
   }
 }
 
-// A free point has a pressure between 0 and its bound, or a gap that drives the pressure away from the bound.
+// A point is free if its pressure lies between 0 and its bound, or if the gap drives the pressure off such a limit.
 // Points without pressure whose gap is NaN count as free. Returns whether the block contains a free point.
 STICTION_MULTIVERSION
 bool mark_free(const double* pressure, const double* potential, const double* bound, std::size_t size, double approach,

@@ -772,10 +772,10 @@ def test_positions_are_not_read_as_heights_if_the_spacing_is_declared(tmp_path):
         -0.5 * np.arange(NUM_ROWS),
     ):
         path.write_text("\n".join([*header_lines, *format_rows(np.column_stack([first_column, HEIGHTS]))]))
-        with pytest.raises(FormatError, match="first column has equal steps"):
+        with pytest.raises(FormatError, match="first column has numbers with equal steps"):
             read_measurement(path, unit="um")
     path.write_text("\n".join([*header_lines, *format_rows(np.vstack([0.25 * np.arange(NUM_COLUMNS), HEIGHTS]))]))
-    with pytest.raises(FormatError, match="first row has equal steps"):
+    with pytest.raises(FormatError, match="first row has numbers with equal steps"):
         read_measurement(path, unit="um")
 
 

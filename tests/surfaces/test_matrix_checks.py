@@ -211,7 +211,8 @@ def test_matrix_whose_last_row_or_column_contains_only_index_numbers_is_rejected
     path.write_text(to_text(np.insert(heights, heights.shape[1 - axis], numbers, axis=1 - axis)))
     name, number_name = ("column", "row") if axis == 0 else ("row", "column")
     message = get_error_message(path, **READ_OPTIONS)
-    assert f"of which the last {name} has equal steps, like positions or {number_name} numbers; remove that" in message
+    expected = f"and the last {name} has numbers with equal steps, like positions or {number_name} numbers; remove that"
+    assert expected in message
 
 
 @pytest.mark.parametrize("first_number", [0, 1])

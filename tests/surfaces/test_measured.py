@@ -345,11 +345,11 @@ def test_matrix_with_positions_in_a_row_or_column_is_rejected(write_file):
     options = {"read": read_surface, "unit": "um", "spacing": "1 um"}
     labelled_matrix = np.block([[np.zeros((1, 1)), x[np.newaxis]], [y[:, np.newaxis], heights]])
     for matrix, message in (
-        (np.c_[y, heights[:, :2]], "20 rows of 3 columns, of which the first column has equal steps"),
-        (np.array([x, heights[0]]), "2 rows of 30 columns, of which the first row has equal steps"),
+        (np.c_[y, heights[:, :2]], "20 rows of 3 columns, and the first column has numbers with equal steps"),
+        (np.array([x, heights[0]]), "2 rows of 30 columns, and the first row has numbers with equal steps"),
         (
             labelled_matrix,
-            "of which the first row and column have equal steps, like positions; leave only heights in the file",
+            "and the first row and column have numbers with equal steps, like positions; leave only heights in the",
         ),
     ):
         assert message in get_error_message(write_file(create_npy_bytes(matrix), "a.npy"), **options)
@@ -358,7 +358,7 @@ def test_matrix_with_positions_in_a_row_or_column_is_rejected(write_file):
             assert message in get_error_message(write_file(text, "a.txt"), **options)
     heights_with_x_row = heights.copy()
     heights_with_x_row[0] = x
-    assert "of which the first row has equal steps" in get_error_message(
+    assert "and the first row has numbers with equal steps" in get_error_message(
         write_file(create_npy_bytes(heights_with_x_row), "a.npy"), **options
     )
     heights_with_equal_row = heights.copy()

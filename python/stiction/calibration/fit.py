@@ -719,7 +719,7 @@ class CalibrationProblem:
         )
         best_mu0, slope, _ = find_best_mu0_at(tau0)
         width_above = math.sqrt(limits.deviance_range) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
-        # Below the best mu0, residuals change less with mu0 than above it, but at least as much as without growth.
+        # Below the best mu0, residuals depend less on mu0 than above it, but no less than without junction growth.
         width_below = np.maximum(width_above, math.sqrt(limits.deviance_range) / limits.triangular_factors[:, :1, 0])
         return replace(limits, best_mu0=best_mu0, width_below=width_below, width_above=width_above)
 

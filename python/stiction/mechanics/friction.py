@@ -502,7 +502,7 @@ def sums_per_load(sums: Mapping[str, Any]) -> dict[str, float]:
 
 
 class FrictionCurve(PlotReprMixin):
-    """Normal load, tangential load and friction of a pair at each loading step, computed from contact sums."""
+    """Normal load, tangential load and friction of a pair at each loading step, from sums over all contacts."""
 
     contact_count: NDArray[Any]
     contact_area: Floats

@@ -245,7 +245,7 @@ def get_validity_limit(name: str) -> float:
 
 
 def evaluate_generated_report(grid: ReportGrid, num_members: int) -> ReportValuesOfGeneratedSurfaces:
-    """Evaluate friction and contact quantities of generated surfaces at all loads, mu0 and tau0 of a report.
+    """Evaluate friction and contact quantities of generated surfaces for each load, mu0 and tau0 in a report.
 
     `num_members` is the number of solved members.
     """

@@ -313,7 +313,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
 
 
 def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return a mask of isolated outliers, which are abrupt, unlike the bottoms of grooves and cusps.
+    """Return a mask of isolated outliers, which stand out abruptly, unlike cusps and the bottoms of grooves.
 
     A group of adjacent outliers is isolated if its deviation from the profile without outliers is large compared with
     the height of its flanks, or if a single step on its flanks makes up most of its height. Dips must also be deep,

@@ -95,7 +95,7 @@ class PowerSpectrum(PlotReprMixin):
 
 def _average_in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
     """Return mean wave number, mean density and number of harmonics of each bin of a spectrum."""
-    # The number 1e-9 keeps a harmonic at the lower limit of a bin in this bin despite round-off.
+    # The margin 1e-9 prevents round-off from moving a harmonic at the lower limit of a bin into the bin below.
     _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
     total_count = np.bincount(index, count).astype(np.float64)
     mean_wave_number = np.exp(np.bincount(index, count * np.log(q)) / total_count)

@@ -653,15 +653,16 @@ def _remove_position_column(table: ColumnTable) -> tuple[ColumnTable, tuple[str,
     for line, name in ((heights.T[::-1], "column"), (heights[::-1], "row")):
         if has_equal_steps(line[0]) and _first_line_has_positions(line, None):
             raise FormatError(
-                f"contains {rows} rows of {columns} columns, of which the last {name} has equal steps, like positions "
-                f"or {'row' if name == 'column' else 'column'} numbers; remove that {name}"
+                f"contains {rows} rows of {columns} columns, and the last {name} has numbers with equal steps, "
+                f"like positions or {'row' if name == 'column' else 'column'} numbers; remove that {name}"
             )
     if has_position_column or has_position_row:
         has_both = has_position_column and has_position_row
         raise FormatError(
-            f"contains {rows} rows of {columns} columns, of which the first "
+            f"contains {rows} rows of {columns} columns, and the first "
             f"{'row and column have' if has_both else 'column has' if has_position_column else 'row has'} "
-            "equal steps, like positions; leave only heights in the file, or choose one or two columns (--columns)"
+            "numbers with equal steps, like positions; leave only heights in the file, or choose one or two columns "
+            "(--columns)"
         )
     return table, ()
 
