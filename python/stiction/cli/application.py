@@ -22,7 +22,6 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
-from stiction import _core
 from stiction._core import __version__, build
 from stiction._errors import ArgumentError
 from stiction._files import describe_os_error
@@ -330,7 +329,7 @@ def run_command_line() -> int:
         print_message(error.translated_message(_option_name))
     except (AttributeError, ImportError) as error:
         # Only the text tells the module apart: an error in a worker process arrives without its object.
-        is_core_too_old = f"'{_core.__name__}'" in str(error)
+        is_core_too_old = "'stiction._core'" in str(error)
         if isinstance(error, AttributeError) and not is_core_too_old:
             raise
         print_message(OLD_CORE_MESSAGE if is_core_too_old else str(error) or type(error).__name__)
