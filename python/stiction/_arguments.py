@@ -40,7 +40,7 @@ def _split_required_values(name: str, value: Any) -> list[Any]:
 
 
 def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
-    """Parse an argument as a quantity of the given kind, such as "pressure"; a plain number is in core units."""
+    """Parse an argument as a quantity of a kind, such as "pressure". A number without a unit is in core units."""
     try:
         return (
             quantity(value, kind)

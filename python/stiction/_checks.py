@@ -139,7 +139,7 @@ def parse_path(name: str, value: Any) -> Path:
 
 
 def parse_names(name: str, value: Any) -> list[str]:
-    """Return the list of names in an argument that is a single name or a list of names."""
+    """Return the list of names in an argument, which is a single name or already a list of names."""
     names = [value] if isinstance(value, str) else value
     names = list(names) if isinstance(names, Iterable) and not isinstance(names, bytes) else [None]
     if not all(isinstance(item, str) for item in names):

@@ -36,7 +36,7 @@ class ArgumentError(ValueError):
         return cls(f"{{{name}}} {{reason}}", reason=reason)
 
     def translated_message(self, translate: Callable[[str], str]) -> str:
-        """Return the message with other argument names, for example the names of command-line options."""
+        """Return the error message with other argument names, for example with the names of command-line options."""
         return self._message.format_map(_PlaceholderValues(self._values, translate))
 
 

@@ -24,24 +24,15 @@ class LazyPattern:
         return re.compile(self.pattern, self.flags)
 
     def match(self, text: str) -> re.Match[str] | None:
-        """Return the match of the pattern at the start of a text.
-
-        Returns None if there is no match.
-        """
+        """Return the match of the pattern at the start of a text, or None if the pattern does not match there."""
         return self.compiled_pattern.match(text)
 
     def fullmatch(self, text: str) -> re.Match[str] | None:
-        """Return the match of the whole text.
-
-        Returns None if the text does not match.
-        """
+        """Return the match of the pattern with a whole text, or None if the pattern does not match the whole text."""
         return self.compiled_pattern.fullmatch(text)
 
     def search(self, text: str) -> re.Match[str] | None:
-        """Return the first match in a text.
-
-        Returns None if there is no match.
-        """
+        """Return the first match of the pattern in a text, or None if there is no match."""
         return self.compiled_pattern.search(text)
 
     def findall(self, text: str) -> list[str]:
@@ -49,7 +40,7 @@ class LazyPattern:
         return self.compiled_pattern.findall(text)
 
     def split(self, text: str) -> list[str]:
-        """Split a text at all matches of the pattern."""
+        """Split a text at every match of the pattern, and return the parts of the text."""
         return self.compiled_pattern.split(text)
 
     def sub(self, replacement: str | Callable[[re.Match[str]], str], text: str) -> str:

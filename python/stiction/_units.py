@@ -170,7 +170,7 @@ def is_pressure(value: Any) -> bool:
 
 
 def exact_quantity_text(value: float, unit: str) -> str:
-    """Return a number with its unit as text with all digits, so that `quantity` parses exactly this number."""
+    """Return a number and its unit as text with all digits, so that `quantity` parses exactly this number."""
     return f"{repr(float(value)).removesuffix('.0')} {unit}"
 
 

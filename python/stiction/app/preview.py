@@ -106,7 +106,7 @@ def draw_lines_svg(*lines: Floats) -> str:
 
 
 def render_height_map_png(heights: Floats, extent: tuple[float, float]) -> bytes:
-    """Draw a height map as a grey PNG image with square pixels, and with the first row of the map at the bottom.
+    """Draw a height map as a grey PNG image with square pixels. The first row of the map is at the bottom.
 
     The grey levels equal those of the colour map of heights in other figures to within one level.
     """

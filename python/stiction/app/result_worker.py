@@ -1,4 +1,4 @@
-"""Worker process of the app, which reads a result, prints its coefficients, and writes its files."""
+"""Worker process of the app, which reads a result, prints its coefficients, and writes its report and other files."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from stiction.views.rows import point_record, summary_json
 
 
 def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
-    """Return the study that computes a preview of the command `pair` with the asperity model.
+    """Return the study from which the app computes a quick preview of a pair, with the asperity model.
 
     Returns None if there is no preview.
     """

@@ -496,7 +496,7 @@ class CalibrationProblem:
         return np.asarray(tau0_coefficient / mu0_coefficient)
 
     def _find_median_area_per_load(self, samples: Floats) -> Floats:
-        """Return A/F (1/GPa) of each test: the median of `samples` if shear enlarges contacts, else the central A/F.
+        """Return the true area per load (1/GPa) of each test: the median of `samples` if shear enlarges contacts.
 
         Without growing contacts, A/F at the central inputs is returned. With friction at opposing contacts only, the
         friction of these contacts is higher than the measured coefficient, for which `area_per_load` is computed. The
@@ -936,7 +936,7 @@ def _build_run_membership_matrix(tests: Sequence[FrictionTest]) -> Floats:
 def _solve_nonnegative_least_squares(
     rows: Floats, weight: Floats, fixed_strengths: Sequence[float | None]
 ) -> tuple[float, float]:
-    """Fit mu0 and tau0 (GPa), both at least 0, to the weighted test equations; keep fixed values unchanged."""
+    """Fit mu0 and tau0 (GPa), both at least 0, to weighted test equations. A fixed mu0 or tau0 is not changed."""
     from scipy.optimize import lsq_linear
 
     is_free = [value is None for value in fixed_strengths]

@@ -183,7 +183,7 @@ class _BallAreaFactor(AreaFactor):
 
     @classmethod
     def from_ball(cls, ball: Ball) -> _BallAreaFactor:
-        """Return the area factor of a friction test with a ball."""
+        """Create the area factor (ratio of true to computed contact area) of a friction test with a ball."""
         loss = ball.lost_fraction
         inputs = ball.moduli.all_inputs | {"area_loss": loss.estimate}
         return cls(inputs, f"ball {ball.radius:g}", ball.moduli, float(loss))
@@ -205,7 +205,7 @@ class _AreaFactorFromResult(AreaFactor):
 
     @classmethod
     def from_result(cls, result: Any, load: float, wait: float) -> AreaFactor:
-        """Return the area factor of a friction test of a computed pair at a load (mN)."""
+        """Create the area factor (ratio of true to computed contact area) of a friction test of a computed pair."""
         sums = MemberSums.of(result)
         study_inputs = Inputs.from_study(sums.study)
         creep = study_inputs.estimate("creep")

@@ -51,7 +51,7 @@ class PlanConditions(NamedTuple):
 
 
 def find_plan_conditions(interface: Interface, hardness: float = math.nan) -> PlanConditions:
-    """Return what `plan_tests` and `Interface.advice` assume about further tests, such as their number.
+    """Return the assumptions of `plan_tests` and `Interface.advice` about further tests, such as their number.
 
     `hardness` is the hardness (GPa) of the wanted pair. NaN stands for the hardness of the present tests.
     """

@@ -53,7 +53,7 @@ class Interface(InterfaceStrength):
     """
 
     def predict(self, result: Any, load: float | str) -> ValueWithLimits:
-        """Predict the friction coefficient of other surfaces at a load, with its 95 % interval.
+        """Predict the friction coefficient of other surfaces, and its 95 % interval, at a given load.
 
         Parameters
         ----------

@@ -145,5 +145,5 @@ def write_figures(result: Result, directory: Path, *, formats: Sequence[str] = (
 
 
 def choose_message_printer(as_json: bool) -> Callable[[str], None]:
-    """Return the printer of messages: on standard error if standard output contains JSON, else on standard output."""
+    """Return the function that prints messages: on standard error if JSON is printed, else on standard output."""
     return print_message if as_json else print_output

@@ -1,4 +1,4 @@
-"""Friction and true area of a measured pair whose heights are multiplied by a factor, as for another finish.
+"""Friction and true area of a measured pair with heights multiplied by a factor, as a model of another finish.
 
 A separate study is computed for each factor, and stored in the directory of the result. Friction at other factors is
 interpolated.
@@ -210,7 +210,7 @@ def find_factor_study(study: Study, path: Path, factor: float, scaled: ScaledBod
 
 
 def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[float, MemberSums]:
-    """Open the finished results of a pair with scaled heights, by height factor in ascending order.
+    """Open all finished results of a pair with scaled heights, and return them keyed by ascending height factor.
 
     The result of the unscaled pair is included as factor 1.
     """

@@ -101,7 +101,7 @@ def build_cutoff_study(study: Study) -> Study | None:
 
 
 def find_cutoff_study(study: Study, path: Path) -> CompanionStudy | None:
-    """Return the cutoff study of a measured pair as a companion study.
+    """Return the cutoff study of a measured pair, with the directory in which the results of this study are stored.
 
     Returns None if the pair allows only one cutoff.
     """

@@ -308,7 +308,7 @@ _UncertainInputsAndStrengthSamples = tuple[dict[str, StudyInput], list[JointSamp
 def find_inputs_and_strengths(
     study_inputs: Inputs, strength: InterfaceStrength | None = None, pair_checksum: str = ""
 ) -> _UncertainInputsAndStrengthSamples:
-    """Return the uncertain inputs of a study, and samples of mu0, tau0 and shared inputs for its calibrated interface.
+    """Return the uncertain inputs of a study, and samples of mu0 and tau0 if the interface was calibrated.
 
     The joint samples contain each input that also affected the tests of the interface, because its error is the same in
     the tests and in the pair. If both give the input ranges with the same central value, the narrower range applies.

@@ -405,7 +405,7 @@ class CombinedIntervals:
         )
 
     def predict_percentiles(self) -> Floats:
-        """Return the percentiles `FRICTION_PERCENTILES` of the coefficients that single tests would measure.
+        """Return the 5th, 50th and 95th percentile of the friction coefficients that single tests would measure.
 
         The range of the percentiles encloses the mean coefficient.
         """

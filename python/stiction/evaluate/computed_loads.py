@@ -81,7 +81,7 @@ def find_neighbouring_loads(study: Study, loads: ArrayLike) -> dict[float, tuple
 
 
 def find_loads_outside_range(result: MemberSums, values: xarray.Dataset) -> list[float]:
-    """Return the loads (mN) of a dataset outside the computed range, except loads negligible against adhesion."""
+    """Return the loads (mN) outside the computed range, unless they are negligible compared with the pull-off force."""
     lowest_load, highest_load = find_computed_load_range(result, values)
     return [
         float(load)

@@ -81,7 +81,7 @@ def average_ensemble(
 
 
 def _list_ensemble_quantities(head: xarray.Dataset) -> list[str]:
-    """Return the names of all quantities that have an ensemble mean, except friction and ratios."""
+    """Return the names of all quantities with ensemble means, except friction and ratios such as the mean pressure."""
     has_stiffness = head.sizes[find_step_dimension(head)] >= MIN_STIFFNESS_STEPS
     stored_names = [name for name in INTERPOLATED_QUANTITIES if QUANTITIES[name].shown and name in head.data_vars]
     return [*stored_names, *(["normal_stiffness"] if has_stiffness else [])]

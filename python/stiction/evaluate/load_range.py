@@ -1,4 +1,4 @@
-"""Loads at which a result can be evaluated: the range of loads, default loads, and the limit of negligible loads."""
+"""Loads at which a result can be evaluated: the range of computed loads, default loads, and negligible loads."""
 
 from __future__ import annotations
 

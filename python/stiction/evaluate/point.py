@@ -110,7 +110,7 @@ def find_statistic_indices(table: xarray.Dataset | xarray.DataArray) -> list[int
 
 
 def read_estimate(table: xarray.DataArray) -> Estimate:
-    """Return the value and the interval limits in an array as an estimate.
+    """Create an `Estimate` from an array that contains a value and the limits of its interval.
 
     All other dimensions must have size 1.
     """

@@ -48,7 +48,7 @@ _Samples = dict[str, Floats]
 
 @dataclass(frozen=True)
 class ShearInputSamples:
-    """Samples of the inputs of a shear test, with n numbers for each input.
+    """Samples of the inputs of a shear test, with the same number of samples for each input.
 
     `contact_inputs` contains the uncertain inputs among `CONTACT_INPUTS`, relative to their central values.
     `probabilities` are cumulative probabilities of another quantity, which is independent of the inputs. `coverage` is
