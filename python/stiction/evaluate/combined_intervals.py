@@ -505,8 +505,9 @@ class CombinedIntervals:
     def _compute_interval_of_samples(self, fixed: Mapping[str, float], dwell_time: float = 1.0) -> Interval:
         """Return the 95 % interval of the friction coefficient, computed from random samples of the uncertain inputs.
 
-        For a calibrated interface, the interval includes the intervals for mu0 = 0 and for tau0 = 0. It is cached for
-        further evaluations of the same coefficient, possibly together with other coefficients.
+        For a calibrated interface, the interval also includes the intervals for mu0 = 0 and for tau0 = 0, if the tests
+        permit such an interface. The interval is cached for further evaluations of the same coefficient, possibly
+        together with other coefficients.
         """
         response = self.response
         # The cache key is rounded to 12 decimals, because further digits depend on the other coefficients in the array.

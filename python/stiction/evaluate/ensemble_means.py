@@ -111,7 +111,7 @@ def _evaluate_direction_groups(
 
 
 def _average_unloaded_members(result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats) -> dict[str, Any]:
-    """Average pull-off force and friction at zero external load over the members.
+    """Average the pull-off force and the friction force at zero external load over the members.
 
     A further mean is the fraction of the members whose pull-off force is only a lower bound.
     """
