@@ -770,7 +770,7 @@ def hardness_under_shear(
     hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: ArrayLike | Literal["slip-line"], *,
     ratio: ArrayLike = CENTRAL_SHEAR_RATIO,
 ) -> Floats:  # fmt: skip
-    """Compute the pressure H' at which a sliding contact yields, after junction growth.
+    """Compute the yield pressure H' of a sliding contact, which is the hardness H reduced by junction growth.
 
     Parameters
     ----------
@@ -833,7 +833,7 @@ def hardness_under_shear(
 
 @reject_overflow
 def tabor_friction(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: ArrayLike) -> Floats:
-    """Compute the friction coefficient of contacts that all yield, after junction growth.
+    """Compute the friction coefficient of contacts that all yield and whose area grows under shear (junction growth).
 
     Parameters
     ----------
@@ -882,7 +882,7 @@ def gentle_friction(
     slope_ratio: ArrayLike = 1.0,
     order: Literal[1, 2] = 1,
 ) -> Floats:
-    """Estimate the friction coefficient of two rough surfaces with small slopes on an elastic half-space.
+    """Estimate the friction coefficient of two elastic half-spaces whose rough surfaces have small slopes.
 
     Parameters
     ----------
@@ -1160,7 +1160,7 @@ def westergaard_gap(
 def _compute_sinusoid_terms(
     x: ArrayLike, mean_pressure: ArrayLike, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """Return sin(πx/λ), cos(πx/λ), mean pressure, full-contact pressure and amplitude of a sinusoidal contact."""
+    """Return for a sinusoidal surface: sin(πx/λ), cos(πx/λ), mean pressure, full-contact pressure, height amplitude."""
     p, d, wavelengths, e = validate_positive_arguments(
         mean_pressure=mean_pressure, amplitude=amplitude, wavelength=wavelength, effective_modulus=effective_modulus
     )

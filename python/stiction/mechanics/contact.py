@@ -1,4 +1,4 @@
-"""Asperities of profiles, and the contacts of two surfaces at one approach.
+"""Asperities of profiles, and all contacts between two surfaces at a given approach (µm).
 
 Hanaor, Gan & Einav (2016), Eqs. 2 to 5.
 """
@@ -23,7 +23,7 @@ from stiction.surfaces.surface import Surface, as_body
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Contacts(TextReprMixin):
-    """Contacts of two surfaces at one approach, one contact per row of each array.
+    """Contacts between two surfaces at one approach (µm); each array has one row per contact.
 
     All arrays are read-only.
 
@@ -177,7 +177,7 @@ def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Asperities(TextReprMixin):
-    """Osculating spheres of a profile, one at each point.
+    """Osculating spheres of a profile: one sphere at each point of the profile.
 
     All arrays are read-only.
 

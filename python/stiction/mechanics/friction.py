@@ -1,4 +1,6 @@
-"""Friction law, and loads from sums over contacts: F = elastic + mu0 · frictional + tau0 · adhesive.
+"""Friction law of a contact, and the loads on a pair of surfaces as sums over all contacts.
+
+Each load is elastic + mu0 · frictional + tau0 · adhesive, where each of the three terms is a sum over all contacts.
 
 Hanaor, Gan & Einav (2016), Eqs. 6 and 7 and section 2.5.
 """
@@ -125,7 +127,7 @@ class FrictionLaw:
         return frictional + adhesive
 
     def load(self, name: str, sums: Any, area: Any = 1.0, fraction: Any = 1.0) -> Floats:
-        """Compute the "normal", "tangential", "lateral" or "unloaded" load (mN) from contact sums.
+        """Compute the "normal", "tangential" or another load (mN) from forces and areas summed over all contacts.
 
         The sums are given as a mapping or as attributes. The true area is `area` times the area in the sums, and the
         contacts carry a fraction of mu0 F + tau0 A (see `OnsetState`).
@@ -137,7 +139,7 @@ class FrictionLaw:
         return np.asarray(elastic + frictional * fraction + adhesive * (area * fraction))
 
     def coefficient(self, sums: Any, area: Any = 1.0, fraction: Any = 1.0) -> Floats:
-        """Return the friction coefficient from contact sums: the tangential load divided by the normal load.
+        """Return the friction coefficient: tangential over normal load, from forces and areas summed over contacts.
 
         Arguments are as for `load`.
         """
@@ -168,7 +170,7 @@ class FrictionLaw:
         return np.minimum(coefficient, 2 / self.junction_growth) if self.uses_slip_lines else coefficient
 
     def growth_effect(self, hardness: float) -> float:
-        """Return the relative change of the plastic friction coefficient due to junction growth by slip-line theory.
+        """Return the fraction by which junction growth, in slip-line theory, changes the plastic friction coefficient.
 
         The change is negative if the softer body shears.
         """
@@ -197,7 +199,7 @@ class FrictionLaw:
     def onset(
         self, load: Any, hardness: Any, nominal_area: float, area: Callable[[Any], Floats], pressure: Any = None
     ) -> OnsetState:
-        """Return the state of the contacts, yielding or elastic, at the onset of sliding.
+        """Return the state at the onset of sliding: true area and, for contacts that yield, the friction coefficient.
 
         Parameters
         ----------
@@ -255,7 +257,7 @@ class FrictionLaw:
 
 @dataclass(frozen=True)
 class OnsetState:
-    """Contacts at the onset of sliding: plastic friction coefficient, true area, and fraction of mu0 F + tau0 A.
+    """True area of a pair's contacts at the onset of sliding, and friction coefficient if the contacts yield.
 
     Attributes
     ----------
@@ -276,7 +278,7 @@ class OnsetState:
 
 
 def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, shear_ratio: Any) -> Floats:
-    """Return the pressure p at which contacts yield under the traction mu0 p + tau0, by slip-line theory.
+    """Compute by slip-line theory the pressure p at which a contact yields under the shear traction mu0 p + tau0.
 
     With f = τ/k, slip lines give p/H = (1 + π/2 + arccos f + sqrt(1 - f²))/(2 + π). Half the hardness is returned if
     p = H/2 has f > 1: the interface is stronger than the softer body. The unknown of the Newton steps is
@@ -314,7 +316,7 @@ def _compute_limited_pressure_ratio(limit: Any, mean: Any) -> Floats:
 
 @lru_cache(maxsize=1)
 def _tabulate_limited_pressure_ratios() -> Floats:
-    """Tabulate mean(min(p, limit)) / mean(p) for Weibull pressures p, over mean(p) and limit/(limit + mean(p)).
+    """Tabulate mean(min(p, limit)) / mean(p) of Weibull-distributed p on a grid of mean(p) and limit/(limit + mean(p)).
 
     A pressure exceeds p < 1 with the probability exp(-rate p^shape). The shape, 1.5 - 0.65 mean(p), was fitted to rough
     pairs from elastic to plastic contact. The rates are found by bisection.
@@ -354,7 +356,7 @@ def _solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Fl
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ContactSums:
-    """Sums over all contacts of a pair, from which normal and tangential loads follow for any mu0 and tau0."""
+    """Sums of areas and forces over all contacts of a pair; the loads for any mu0 and tau0 follow from these sums."""
 
     contact_count: NDArray[Any]
     contact_area: Floats = field(metadata={"unit": "µm²"})
@@ -371,21 +373,21 @@ class ContactSums:
 
     @classmethod
     def from_columns(cls, columns: Mapping[str, Any]) -> ContactSums:
-        """Create contact sums from a mapping of names to arrays, such as the variables of a dataset."""
+        """Create sums of forces and areas over contacts from a mapping of names to arrays, such as a dataset."""
         check_instance("columns", columns, Mapping, "a mapping of names to arrays")
         if missing_names := [name for name in SUM_QUANTITIES if name not in columns]:
             raise ValueError(f"columns must contain {missing_names[0]}, got {short_repr(list(columns))}")
         return ContactSums(**{name: columns[name] for name in SUM_QUANTITIES})
 
     def apply(self, function: Callable[[NDArray[Any]], Any]) -> ContactSums:
-        """Apply a function, such as indexing or averaging, to every contact sum, and return new contact sums."""
+        """Apply a function, such as indexing or averaging, to each sum of forces or areas, and return the new sums."""
         check_callable("function", function)
         return ContactSums(**{name: function(getattr(self, name)) for name in SUM_QUANTITIES})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Validity(TextReprMixin):
-    """Validity indicators of the asperity model at each approach, such as the load fraction beyond Hertz theory.
+    """Indicators of whether the asperity model is valid at each approach, such as the mean ratio of overlap to radius.
 
     Load fractions are NaN without contact.
 
@@ -416,13 +418,13 @@ class Validity(TextReprMixin):
 
     @classmethod
     def from_sums(cls, sums: Any) -> Self:
-        """Compute the validity indicators of the asperity model from contact sums."""
+        """Compute the validity indicators of the asperity model from forces and areas summed over all contacts."""
         return cls(**{item.name: validity_ratio(item.name, sums) for item in fields(cls)})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SurfaceValidity(Validity):
-    """Validity indicators of the asperity model for two height maps: the indicators of `Validity`, and three more.
+    """Indicators of whether the asperity model is valid for two height maps, such as the load fraction at map edges.
 
     R is the geometric mean of the two radii. No contact is rejected, so `share_crossed` is 0.
 
@@ -459,7 +461,7 @@ VALIDITY_RATIOS: dict[str, tuple[str, tuple[str, ...]]] = {
 
 
 def validity_ratio(name: str, sums: Any) -> Floats:
-    """Compute the validity indicator `name` of the asperity model from contact sums.
+    """Compute the validity indicator with a given name from forces and areas summed over all contacts.
 
     Returns NaN if numerator and denominator are zero.
 
@@ -471,7 +473,7 @@ def validity_ratio(name: str, sums: Any) -> Floats:
 
 
 def compute_ratios(sums: Mapping[str, Floats], load: Floats, nominal_area: float | None = None) -> dict[str, Floats]:
-    """Compute ratios of contact sums, such as the mean pressure, at a load (mN), keyed by quantity name.
+    """Compute ratios such as mean pressure and area fraction at a load (mN) from forces and areas summed over contacts.
 
     The sums belong to a member, or are means over an ensemble. Area fraction, nominal pressure and stiffnesses per area
     require the nominal area (µm²). The keys of the returned mapping are names of quantities.
@@ -497,12 +499,12 @@ def _get_sum(sums: Any, name: str) -> Any:
 
 
 def sums_per_load(sums: Mapping[str, Any]) -> dict[str, float]:
-    """Return each contact sum of the normal and tangential load, divided by the elastic normal load."""
+    """Return contributions to normal and tangential load (elastic, frictional, adhesive) per elastic normal load."""
     return {name: float(sums[name] / sums["normal_elastic"]) for name in LOAD_SUM_NAMES}
 
 
 class FrictionCurve(PlotReprMixin):
-    """Normal load, tangential load and friction of a pair at each loading step, from sums over all contacts."""
+    """Normal load, tangential load and friction coefficient of a pair of surfaces at each loading step."""
 
     contact_count: NDArray[Any]
     contact_area: Floats
@@ -590,7 +592,7 @@ def choose_statuses(
 
 
 def statuses_of_approaches(contact_count: ArrayLike, normal: Floats) -> NDArray[Any]:
-    """Return "ok", "self-locked" or "no-contact" as the status of each approach, from contact counts and loads (mN)."""
+    """Return the status at each approach, "ok", "self-locked" or "no-contact", from contact counts and loads (mN)."""
     return choose_statuses(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 
@@ -599,7 +601,7 @@ MAX_FRICTION_PARAMETER = 1e12
 
 
 def validate_friction_parameter(name: str, values: ArrayLike) -> Floats:
-    """Check that all numbers of mu0 or tau0 are between 0 and `MAX_FRICTION_PARAMETER`, and return them as an array."""
+    """Check that each given mu0 or tau0 is from 0 to `MAX_FRICTION_PARAMETER`, and return the numbers as an array."""
     array = float_array(name, values)
     if not (array <= MAX_FRICTION_PARAMETER).all():
         raise ValueError(f"{name} must be at most {MAX_FRICTION_PARAMETER:g}, got {short_repr(values)}")

@@ -79,7 +79,7 @@ DEFAULT_ADHESION_RANGE = 5e-4
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HalfSpaceContact(PlotReprMixin):
-    """Half-space contact of two surfaces at one load, as read-only arrays on the grid.
+    """Half-space contact of two surfaces at one load: read-only arrays on the grid, such as pressure and gap.
 
     Attributes
     ----------
@@ -237,7 +237,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def parting(self) -> HalfSpaceCurve:
-        """Curve of the contact solutions during separation, from the smallest load to the pull-off force.
+        """Load curve while the surfaces are pulled apart, from the smallest load to the pull-off force.
 
         Raises a `ValueError` if the surfaces do not adhere.
         """
@@ -247,7 +247,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def _separation_solutions(self) -> tuple[list[ContactSolution], str]:
-        """Contact solutions during separation, and why the pull-off force is uncertain ("" if it is certain)."""
+        """Contact solutions while the surfaces are pulled apart, and why the pull-off force is uncertain (or "")."""
         contact_solution = self._contact_solutions[int(np.argmin(self.load))]
         return solve_separation(contact_solution, tolerance=self._tolerance, record=self._record)
 
@@ -258,7 +258,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def adhesion_range(self) -> float:
-        """Decay length (µm) of the attraction.
+        """Decay length (µm) of the adhesive attraction.
 
         The length is the given range or, if larger, the smallest range that the grid resolves.
         """
@@ -275,7 +275,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def closure_stiffness(self) -> Floats:
-        """Derivative dp/dc (GPa/µm) of the nominal pressure with respect to the closure, in first loading at each load.
+        """Derivative dp/dc (GPa/µm) of nominal pressure p with respect to closure c, at each load during first loading.
 
         1 GPa/µm is 1e6 MPa/mm, the usual unit of the normal stiffness of joints.
         """
@@ -312,7 +312,7 @@ class HalfSpaceCurve(FrictionCurve):
         return self._compute_stiffness("unloading_stiffness")
 
     def _compute_stiffness(self, name: str) -> Floats:
-        """Return the stiffness `name` at each load.
+        """Return the stiffness with the given name, such as "unloading_stiffness", at each load.
 
         The compliances of several loads are computed in one call, up to `MAX_POINTS_PER_STEP` grid points.
         """
@@ -429,7 +429,7 @@ class HalfSpaceCurve(FrictionCurve):
     def compute_directed_sums(
         self, directions: Sequence[Direction], sliding_rules: Sequence[SlidingRule]
     ) -> dict[str, Floats]:
-        """Compute the sums of forces and areas that depend on the direction of motion or on the sliding rule.
+        """Compute those sums of forces and areas that depend on the direction of motion or on the sliding rule.
 
         Each sum has the shape (sliding rules, directions, loads).
         """
@@ -645,7 +645,7 @@ def _report_progress(
 def _add_adhesion(
     problem: HalfSpaceProblem, work: float, adhesion_range: float, effective_modulus: float
 ) -> HalfSpaceProblem:
-    """Add an attraction with given work of adhesion (mN/µm) and range (µm) to a problem.
+    """Add adhesive attraction with a given work of adhesion (mN/µm) and range (µm) to a contact problem.
 
     If the grid cannot resolve the range, increase the range.
     """
@@ -682,7 +682,7 @@ def _make_curve(
 def _compute_contact_sums(
     model: ContactModel, contacts: Sequence[ContactSolution], sums: PatchSums
 ) -> dict[str, Floats]:
-    """Return the contact sums of a half-space curve by name, with shapes (k loads,) or (d directions, k loads)."""
+    """Return areas and forces summed over all contacts, by name, in the shape (k loads,) or (d directions, k loads)."""
     totals = sums.totals(model.sliding)
     if contacts[0].problem.work_of_adhesion > 0:
         totals["normal_elastic"] = totals["normal_elastic"] - [solution.attraction_force for solution in contacts]

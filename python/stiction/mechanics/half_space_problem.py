@@ -1,4 +1,4 @@
-"""Half-space contact of two surfaces: the checked problem, the solver, and the solution at one load."""
+"""Half-space contact of two surfaces: problem with checked inputs, solver, and solution at one load."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def get_half_space_grids(
     shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool,
     remains_cached: bool = True,
 ) -> _core.HalfSpaceGrids:  # fmt: skip
-    """Return the grids of a half-space problem, which contain the elastic kernels.
+    """Return the grids on which a half-space problem is solved, and which contain the elastic kernels.
 
     Calls with equal arguments share the grids.
 
@@ -83,7 +83,7 @@ def solver_thread_count() -> int:
 
 
 def has_finite_approach(num_dimensions: int, *, periodic: bool) -> bool:
-    """Return whether the approach of distant points is finite, which is not the case on a free half-plane.
+    """Return whether distant points approach by a finite distance (on a free half-plane, the distance is unbounded).
 
     The bodies are profiles (1 dimension) or height maps (2 dimensions).
     """
@@ -125,7 +125,7 @@ class HalfSpaceProblem:
 
     @property
     def has_finite_approach(self) -> bool:
-        """True if distant points have a finite approach."""
+        """True if distant points of the two bodies approach each other by a finite distance."""
         return has_finite_approach(len(self.spacing), periodic=self.periodic)
 
     @property
@@ -157,7 +157,7 @@ class HalfSpaceProblem:
 
 @dataclass(frozen=True, eq=False)
 class ContactSolution:
-    """Solution of a contact problem at one load (mN): pressure (GPa), contact fraction and patch of each grid point."""
+    """Contact solution at one load (mN): pressure (GPa), contact fraction and patch number of each contact point."""
 
     problem: HalfSpaceProblem
     load: float
@@ -242,12 +242,12 @@ class ContactSolution:
 
     @cached_property
     def loading_compliances(self) -> tuple[float, float]:
-        """Loading compliances of the contact points below the hardness: two displacements, see `cache_compliances`."""
+        """Compliances of the contact points below the hardness: two displacements (µm), see `cache_compliances`."""
         return self._compute_compliances("loading_compliances")
 
     @cached_property
     def unloading_compliances(self) -> tuple[float, float]:
-        """Unloading compliances of all contact points: two displacements, see `cache_compliances`."""
+        """Compliances of all contact points during unloading: two displacements (µm), see `cache_compliances`."""
         return self._compute_compliances("unloading_compliances")
 
     @cached_property
@@ -258,7 +258,10 @@ class ContactSolution:
         return self._linear_response if self.is_elastic else self._unloading_response
 
     def _compute_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return pressures (sum 1 GPa) that displace the points of a mask equally, and the displacement (µm)."""
+        """Return the pressures (sum 1 GPa) that a rigid motion causes at the points of a mask, and the approach (µm).
+
+        The upper surface moves along z and, if the problem has free tilt, also tilts.
+        """
         if not self.problem.has_free_tilt:
             return self.problem.grids.linear_response(self.on_grid(free_mask), threads=solver_thread_count())
         return TiltResponse.solve(self.problem, self.on_grid(free_mask)).balanced_response()
@@ -268,7 +271,7 @@ class ContactSolution:
         return displacement, float((pressures * self.problem.uniform_pressure_displacement).sum())
 
     def _get_compliances(self, free_mask: NDArray[np.bool_]) -> tuple[float, float]:
-        """Return the loading compliances if `free_mask` is `below_hardness`, or else the unloading compliances."""
+        """Return the compliances of points below the hardness if `free_mask` selects them, otherwise of all points."""
         return self.loading_compliances if free_mask is self.below_hardness else self.unloading_compliances
 
     def _compute_stiffness(self, free_mask: NDArray[np.bool_]) -> float:
@@ -294,7 +297,7 @@ _RESPONSE_NAMES = {"loading_compliances": "_linear_response", "unloading_complia
 
 
 def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) -> list[ContactSolution]:
-    """Compute all compliances that the solutions lack, in one call of the core, and store them in the solutions.
+    """Compute missing contact compliances (displacements per pressure) of solutions, and store them in the solutions.
 
     Returns the solutions that lacked compliances.
 
@@ -328,7 +331,7 @@ def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) 
 
 
 def sum_friction_over_patches(solutions: Sequence[ContactSolution], directions: Floats) -> PatchSums:
-    """Return the friction sums of each contact patch in k solutions, for m directions of motion (unit vectors)."""
+    """Return forces and areas of each contact patch in k contact solutions, for m directions of motion."""
     problem = solutions[0].problem
     # With free tilt, each load has its own contact problem, because the tilt changes the gap.
     if any(solution.problem is not problem for solution in solutions):
@@ -509,7 +512,7 @@ def lever_arms(problem: HalfSpaceProblem) -> list[Floats]:
 
 @dataclass(frozen=True, eq=False)
 class TiltResponse:
-    """Linear response of contact points to a mean pressure and to a tilt: changes of pressure, approach and moment."""
+    """Linear response of the contact points to a mean pressure and to a tilt: pressures, approach and moments."""
 
     # Contact pressures (GPa), approach (µm) and moments per area about n axes (GPa µm) at a mean pressure of 1 GPa.
     pressure: Floats
@@ -522,7 +525,7 @@ class TiltResponse:
 
     @classmethod
     def solve(cls, problem: HalfSpaceProblem, free_mask: NDArray[np.bool_]) -> TiltResponse:
-        """Compute how pressures at the points of a mask respond to a mean pressure of 1 GPa, and to unit slopes."""
+        """Compute pressures at the points of a mask for a mean pressure of 1 GPa, and their change with tilt."""
         max_pressure = np.where(free_mask, MAX_LINEAR_RESPONSE_PRESSURE, 0.0)
         arms = lever_arms(problem)
 
@@ -553,7 +556,7 @@ class TiltResponse:
         return cls(pressure, approach, moments, slope_pressures, (moments_per_slope + moments_per_slope.T) / 2)
 
     def balanced_response(self) -> tuple[Floats, float]:
-        """Return pressures (sum 1 GPa) with a tilt that centres their resultant, and the resulting approach (µm)."""
+        """Return pressures (sum 1 GPa) whose resultant acts at the centre because of a tilt, and the approach (µm)."""
         slopes = -np.linalg.lstsq(self.moments_per_slope, self.moments, rcond=None)[0]
         pressure = self.pressure + sum(
             slope * slope_pressure for slope, slope_pressure in zip(slopes, self.slope_pressures, strict=True)

@@ -63,7 +63,7 @@ class HertzSphere(ContactLaw):
 
 @dataclass(frozen=True)
 class HertzCylinder(ContactLaw):
-    """Hertz law of elastic parallel cylinders: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2).
+    """Hertz law of elastic parallel cylinders of width w: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2).
 
     Parameters
     ----------

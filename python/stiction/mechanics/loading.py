@@ -43,7 +43,7 @@ def approach_at_load(
     tau0: float = 0.0,
     **contact: Unpack[ContactModelArguments],
 ) -> Floats:
-    """Find the approach at which two surfaces first support given normal loads.
+    """Find the smallest approach (µm) at which two surfaces support each of the given normal loads.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def approach_at_load(
 
 
 class SurfacePair:
-    """Pair of surfaces that stores the minima of its gap, so that repeated calls of `press` need no new search."""
+    """Pair of surfaces that stores the minima of the gap between both for reuse in later calls of `press`."""
 
     def __init__(self, upper: Profile | Surface, lower: Profile | Surface) -> None:
         check_pair(upper, lower)
@@ -116,7 +116,7 @@ class SurfacePair:
         self._cached_candidates: Candidates | None = None
 
     def press(self, approaches: Floats, model: ContactModel) -> ContactSums:
-        """Compute the contact sums at each approach (µm).
+        """Compute the sums of areas and forces over all contacts at each approach (µm).
 
         Gap minima of earlier calls are used if possible.
         """

@@ -1,4 +1,4 @@
-"""Partial slip before the onset of sliding, for parallel asperity contacts and for half-space contacts.
+"""Partial slip before the onset of sliding, for asperity contacts that move together and for half-space contacts.
 
 A traction that decreases from the centre of an ellipse outwards is a sum of flat-punch tractions on smaller ellipses
 with the same aspect ratio and relative size t from 0 to 1. Each of these tractions causes a uniform displacement. A
@@ -58,7 +58,7 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
 
 
 def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
-    """Return the argument `transverse_fraction` of `compliance_ratio` for each elliptic contact.
+    """Return for each elliptic contact the mean sin² of the angle to the motion, an argument of `compliance_ratio`.
 
     `axes` are the semi-axes, and `angle` (rad) is the angle between the motion and the larger semi-axis.
     """
@@ -71,7 +71,7 @@ def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
 
 
 class AsperityTangentialProblem:
-    """Asperity contacts under a tangential load in the direction `angle` (degrees), all with the same displacement.
+    """Asperity contacts under a tangential load in the direction `angle` (degrees); all have the same displacement.
 
     frictional, adhesive : (c,) ndarray, mN
             mu0 times normal load, and tau0 times area.
@@ -147,7 +147,7 @@ class AsperityTangentialProblem:
         return float(((strength * slip_distance * sine) @ weights * end_angle[:, 0]).sum())
 
     def _spring_strengths(self, sine: Floats) -> Floats:
-        """Return the strengths (mN) of the springs in each contact: 3/4 mu0 F s² + 2/π tau0 A s, where s is `sine`."""
+        """Return strengths (mN) of the springs that represent each contact: 3/4 mu0 F s² + 2/π tau0 A s, s = `sine`."""
         return np.asarray(
             0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
         )

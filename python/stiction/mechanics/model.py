@@ -1,4 +1,4 @@
-"""Contact model: the parameters of a contact calculation, from the study file to the C++ core."""
+"""Contact model: the parameters of a contact calculation, which the C++ core receives as one object."""
 
 from __future__ import annotations
 

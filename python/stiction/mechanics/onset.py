@@ -232,7 +232,7 @@ class Onset(PlotReprMixin):
         )
 
     def frame(self) -> pandas.DataFrame:
-        """Return the onset curve of the first loading as a table.
+        """Return a table of first loading: tangential load, displacement, slipped fractions and energy loss.
 
         Each row is a load, and the column names contain units.
 
@@ -248,7 +248,7 @@ class Onset(PlotReprMixin):
         return pandas.DataFrame({name: np.concatenate([[0.0], column]) for name, column in columns.items()})
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the tangential load against displacement or, without finite displacements, against slipped area.
+        """Draw the tangential load against displacement or, if displacements are not finite, against slipped area.
 
         Draws into the given axes or into new axes, and returns the axes.
         """
@@ -314,7 +314,7 @@ def compute_onset(
     tangential_problem: TangentialProblem, *, mu0: float, tau0: float, direction: float, steps: int | Sequence[float],
     displacements: ArrayLike | None,
 ) -> Onset:  # fmt: skip
-    """Compute the onset curve at given fractions of the sliding load, or at given displacements (µm)."""
+    """Compute the onset of sliding at given fractions of the sliding load, or at given displacements (µm)."""
     sliding_state = tangential_problem.at(tangential_problem.sliding_load)
     slip_states: list[SlipState] = []
     if displacements is None:

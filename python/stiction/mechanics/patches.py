@@ -1,4 +1,4 @@
-"""Connected patches of a contact, with their true areas, slopes and friction sums."""
+"""Connected patches of a contact: true area, slope, and the forces and areas that determine friction."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class PatchSums:
 
     @classmethod
     def join(cls, parts: Sequence[PatchSums]) -> PatchSums:
-        """Join the patch sums of several contacts in the order of the contacts."""
+        """Join the forces and areas of the patches of several contacts, in the order of the contacts."""
         first_patch = [0, *np.cumsum([part.force.size for part in parts[:-1]])]
         joined = {
             field.name: np.concatenate([getattr(part, field.name) for part in parts], axis=-1) for field in fields(cls)
@@ -67,7 +67,7 @@ class PatchSums:
         return np.asarray(self.leaning > np.repeat(MAX_LEVEL_PATCH_SLOPE * self.steepness, patch_counts) * self.force)
 
     def totals(self, sliding: SlidingRule) -> dict[str, Floats]:
-        """Return area (µm²) and normal force (mN) of all patches, and friction sums of the patches that have friction.
+        """Return area (µm²) and normal force (mN) of all patches, and the force and area sums that determine friction.
 
         Sums have the shape (k,) or, if they depend on the direction, (directions, k).
         """
@@ -78,7 +78,7 @@ class PatchSums:
         }
 
     def directed_totals(self, sliding: SlidingRule) -> list[Floats]:
-        """Return the sums `DIRECTED_TOTAL_NAMES` over the patches with friction, in the shape (directions, k)."""
+        """Return forces and areas summed over patches with friction: an array of shape (directions, k) per quantity."""
         sums = (self.leaning, self.upward, self.forward, self.upward_area, self.forward_area)
         if sliding == "all":
             return [self._sum_over_patches(values) for values in sums]

@@ -131,7 +131,7 @@ _MEASURED_SOURCE: frozenset[QuantitySource] = frozenset({"measured"})
 
 
 def _make_sum_quantity(name: str, *more_sources: QuantitySource, **properties: Any) -> ResultQuantity:
-    """Return the description of a contact sum, with the unit and the label that the C++ core declares."""
+    """Return the description of a quantity that is summed over contacts, with unit and label from the C++ core."""
     unit, words = (
         CONTACT_SUM_UNITS_AND_DESCRIPTIONS[name]
         if name in CONTACT_SUM_UNITS_AND_DESCRIPTIONS

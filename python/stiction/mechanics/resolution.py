@@ -58,7 +58,7 @@ def resolution(
     tolerance: float = 1e-6,
     progress: Callable[[int, int], object] | None = None,
 ) -> xr.Dataset:
-    r"""Compute area, pressure and friction of a pair for several cutoff wavelengths, and bounds for finer scans.
+    r"""Compute contact area and friction of a pair at several cutoff wavelengths, and bounds on both for finer scans.
 
     Parameters
     ----------
@@ -301,7 +301,7 @@ class _BodyPair:
 def _solve_at_loads(
     upper: Any, lower: Any, loads: Floats, directions: tuple[Direction, ...], **options: Any
 ) -> dict[str, Floats]:
-    """Solve the contact of two bodies at all loads (mN), and return contact quantities and load sums by name.
+    """Solve the contact of two bodies at all loads (mN), and return results by name, such as area and elastic load.
 
     Results of the contact have the shape (load,), sums have the shape (rule, load) and are averaged over directions.
     Both are NaN at loads for which no solution was found.
@@ -329,7 +329,7 @@ def _make_cutoff_dataset(
     body_pair: _BodyPair, lengths: list[float], loads: Floats, solutions: list[dict[str, Floats]], modulus: float,
     hardness: float | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Return a dataset of area, pressure and contact sums at each cutoff.
+    """Return a dataset of contact area, mean pressure and contributions to the loads, at each cutoff (µm).
 
     Values are NaN where the solver failed.
     """
@@ -389,7 +389,7 @@ def _add_plastic_limits(
     result: xr.Dataset, body_pair: _BodyPair, loads: Floats, elastic_solution: dict[str, Floats], modulus: float,
     hardness: float | None, strengths: tuple[float, float] | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Add plastic limit, plastic wavelength and elastic areas at shorter wavelengths to a `resolution` dataset."""
+    """Extend a `resolution` dataset by extrapolated elastic areas and by the wavelength at which the contacts yield."""
     gap = body_pair.compute_gap(body_pair.upper, body_pair.lower)
     roughness = scale_dependent_roughness(gap, periodic=body_pair.periodic)
     hurst_estimate = brackets.estimate_gap_hurst_exponent(gap, body_pair.periodic)
@@ -472,7 +472,7 @@ def spectral_resolution(
     kappa: float = KAPPA_AT_SMALL_LOADS,
     wavelengths: ArrayLike | None = None,
 ) -> xr.Dataset:
-    r"""Estimate true area and friction of two surfaces in closed form, as functions of the shortest wavelength.
+    r"""Estimate true area and friction of two surfaces as closed-form functions of the shortest resolved wavelength.
 
     Parameters
     ----------

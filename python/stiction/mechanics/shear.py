@@ -266,7 +266,7 @@ class ShearBox:
         return upper_slopes, lower_slopes
 
     def _find_edges(self, offset: NDArray[np.int64]) -> Floats:
-        """Mark overlap points on an edge of only one face: 0 for the upper face, 1 for the lower face, NaN elsewhere.
+        """Return an array over the overlap that marks the points on an edge of exactly one face.
 
         A point is 0 at an edge of the upper face only, 1 at an edge of the lower face only, and NaN elsewhere.
         """
@@ -362,7 +362,7 @@ class ShearBox:
     def _collect_results(
         self, curve: HalfSpaceCurve, offset: NDArray[np.int64], first_contact_height: float, elastic_load: float
     ) -> StepResult:
-        """Return the results of one solved step by name, such as contact sums and the height of the upper face."""
+        """Return the results of one solved step by name, such as contact forces and the height of the upper face."""
         solution = curve.at(0)
         problem, pressure = solution.problem, solution.on_grid(solution.values)
         displacement = problem.grids.displacement(pressure, threads=solver_thread_count())
@@ -386,7 +386,7 @@ class ShearBox:
         return float(self.law.load("normal", row))
 
     def solve_closure(self, record: SolutionRecord) -> xr.Dataset:
-        """Return closure and stiffness of closure at the start of the path, up to the initial normal stress.
+        """Return closure and closure stiffness at the start of the test, for stresses up to the initial normal stress.
 
         The dataset has the dimension `normal_stress` (GPa). All values are NaN if the contact has no solution, and
         values at loads of at least the hardness times the area. The stiffness is also NaN where it is infinite, in full
@@ -499,7 +499,7 @@ def _make_slices(start: list[int], shape: list[int]) -> tuple[slice, ...]:
 
 
 def _select_face_region(face: Any, selection: tuple[slice, ...]) -> Any:
-    """Return a new face that consists of the points of a face in a range of grid rows and columns."""
+    """Cut a range of grid rows and columns out of a face, and return this part as a new face."""
     return replace(face, heights=face.heights[selection], history=(), missing=select_from_mask(face.missing, selection))
 
 
@@ -521,7 +521,7 @@ def _compute_measured_area(upper: Profile | Surface, lower: Profile | Surface) -
 def _search_elastic_load(
     compare_load: Callable[[float], tuple[float, float]], load_guess: float, load: float, max_load: float
 ) -> Status:
-    """Search for the elastic load (mN) at which the normal load has its target value, and return a status.
+    """Search for the elastic load (mN) at which the normal load reaches its target, and return the search status.
 
     `compare_load` returns the excess of the normal load over its target, and the target, at an elastic load (mN). The
     method is a bracketed secant method. The last call of `compare_load` is at the elastic load that was found.
@@ -571,7 +571,7 @@ def compute_dilation_angles(displacement: Floats, dilation: Floats) -> Floats:
 
 
 def check_gap(test: xr.Dataset) -> None:
-    """Raise an `ArgumentError` if the dataset of a shear test contains no gap, because an earlier version stored it."""
+    """Raise an `ArgumentError` if a shear-test dataset lacks the gap, as datasets of earlier versions do."""
     if "gap" not in test:
         raise ArgumentError(
             "the shear test must contain the gap of the faces and their closure, got a dataset without a gap; if an "
