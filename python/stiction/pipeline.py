@@ -1,4 +1,4 @@
-"""Completion of a result directory: missing blocks of members and, for a measured pair, companion results.
+"""Completion of a result directory: missing members and, for a measured pair, further results are computed.
 
 The contacts of a typical member and the onset of sliding are companion files. The cutoff study and the alternative
 preparations of the scans are companion studies, each in a subdirectory.
@@ -112,7 +112,7 @@ def run(
 
 
 def compute_preview_result(study: Study) -> Result:
-    """Compute a preview of a result from the first few members.
+    """Compute an approximate result from the first few members of a study, as a preview.
 
     Arguments and errors are those of `run`.
     """
@@ -125,7 +125,7 @@ def complete_result(
     print_remark: LinePrintFunction = _ignore_line, announce: LinePrintFunction = _ignore_line,
     show_result: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
-    """Compute the missing members of a study, or of one part of the study, in a directory, and return the result.
+    """Compute the members that are missing in a study's directory, or only a part of them, and return the result.
 
     If no part is given, the companion results are computed too.
 
@@ -204,7 +204,7 @@ def _import_result_packages() -> None:
 
 
 def _announce_pair_and_cutoff_study(stored_result: StoredResult, print_remark: LinePrintFunction, task: str) -> None:
-    """Print that a pair is computed, and the estimated time of the cutoff study that follows."""
+    """Print a description of the current task, and the estimated time of the cutoff study that follows the task."""
     print_remark(task)
     # `find_cutoff_study` fails if a scan file is missing.
     with contextlib.suppress(ValueError):
@@ -224,7 +224,7 @@ def _print_time_if_long(print_remark: LinePrintFunction, task: str, seconds: flo
 def _compute_alternatives(
     stored_result: StoredResult, executor: Executor, *, progress: bool, print_remark: LinePrintFunction
 ) -> None:
-    """Compute results with alternative preparations of the scans; the combined interval must include these results.
+    """Compute the pair again with scans prepared in alternative ways; the combined interval includes these results.
 
     If an alternative cannot be computed, the pair keeps its result, and a remark states the reason.
     """
@@ -247,7 +247,7 @@ def _compute_alternatives(
 
 
 def _write_companion_file(stored_result: StoredResult, name: str, compute: Callable[[], Any]) -> None:
-    """Compute and write a companion file. Write nothing if `compute` returns None or a scan file is missing."""
+    """Compute and write a file that accompanies the result, unless `compute` returns None or a scan file is missing."""
     with contextlib.suppress(ValueError):
         if (dataset := compute()) is not None:
             export(dataset, stored_result.path / name, replace=True)
@@ -293,7 +293,7 @@ def compute_companion_files(
 
 
 def _write_onset_table(result: Result, onset: xarray.Dataset) -> None:
-    """Scale the onset of sliding to the coefficient of the result, and write it as a table, unless it is stored."""
+    """Write a table of the onset of sliding, scaled to the result's friction coefficient, if the table has changed."""
     scaled_onset = result.scale_onset(onset)
     if scaled_onset is None or result.path is None:
         return

@@ -1,1 +1,1 @@
-"""Contact solutions for all members of a study, and storage of the contact sums."""
+"""Contact solutions for all members of a study, and storage of the areas and forces summed over contacts."""

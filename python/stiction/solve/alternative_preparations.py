@@ -42,7 +42,7 @@ and in 31 % after the tip reconstruction alone.
 
 
 def build_alternative_study(study: Study, name: AlternativeName) -> Study:
-    """Return a copy of a study with outliers masked in the scans and, for "tip", with a larger tip correction.
+    """Return a copy of a study whose scans have masked outliers and, if `name` is "tip", a larger tip correction.
 
     Both alternatives mask outliers, because a tip correction would broaden downward spikes. In a study that does not
     allow missing points, the heights of outliers are interpolated.

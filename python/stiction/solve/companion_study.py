@@ -30,9 +30,9 @@ class CompanionStudy:
     directory: Path
 
     def open(self, *, allow_unfinished: bool = False) -> MemberSums | None:
-        """Open the stored contact sums of the companion study, which can be evaluated with any mu0 and tau0.
+        """Open the stored forces and areas of the companion study, which are summed over the contacts of each member.
 
-        Contact sums are forces and areas, summed over the contacts of each member.
+        Friction can be evaluated from the forces and areas with any mu0 and tau0.
 
         Returns None if the directory is missing or damaged, if it stores the result of another pair, or if members are
         missing. With `allow_unfinished`, one finished member suffices.
@@ -56,7 +56,7 @@ class CompanionStudy:
         self, executor: Executor, *, progress: bool = False, announce_time: TimeAnnouncer = lambda _: None,
         meanwhile: Callable[[], object] = lambda: None,
     ) -> MemberSums:  # fmt: skip
-        """Compute the missing members of the companion study, and return the contact sums of all members.
+        """Compute the missing members of the companion study, and return the forces and areas of all members.
 
         A stored result of another study, for example of another pair, is removed first. `meanwhile` is called once
         while the workers compute. Raises the errors of `compute_missing_blocks`.

@@ -29,7 +29,7 @@ MAX_CELLS_OF_SMALL_CONTACT = 4
 
 @dataclass(frozen=True, eq=False)
 class PairSlopeStatistics:
-    """Slopes of two bodies and of their gap: masks of each body's steep points, and mean square slopes of the gap."""
+    """Slope statistics of two bodies: a mask of the steep points of each body, and mean square slopes of the gap."""
 
     steep_masks: dict[str, NDArray[np.bool_]]
     steepness_limits: dict[str, float]
@@ -109,7 +109,7 @@ class ContactList:
     weight: Floats
 
     def compute_statistics(self) -> dict[str, Any]:
-        """Compute the statistics that a result stores: load fractions, and quantiles of contact area and pressure."""
+        """Compute the contact statistics that a result stores, such as quantiles of contact area and pressure."""
         statistics = _core.contact_statistics(
             self.force, self.area, self.cells, self.at_edge, self.pressure, self.weight,
             probabilities=np.array(QUANTILE_PROBABILITIES), max_small_cells=MAX_CELLS_OF_SMALL_CONTACT,
@@ -120,7 +120,7 @@ class ContactList:
 def compute_patch_statistics(
     solutions: Sequence[ContactSolution], slopes: PairSlopeStatistics
 ) -> dict[str, NDArray[np.float64]]:
-    """Compute contact statistics, for storage in a result, from half-space solutions at several loads (first axis).
+    """Compute contact statistics for a result from half-space solutions; each array has one row per load.
 
     Load fractions on the steepest points are on the steepest 10 % of the grid points of each body.
     """
@@ -185,7 +185,7 @@ def tabulate_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> C
 
 
 def compute_steep_contact_load_fraction(table: ContactList, slopes: PairSlopeStatistics) -> dict[str, float]:
-    """Return the load fraction on contacts that are steeper than 90 % of a body's grid points, for each body."""
+    """Return for each body the load fraction on contacts that are steeper than 90 % of the body's grid points."""
     magnitude = np.hypot(table.slope_x, table.slope_y)
     total_load = table.force.sum()
     return {

@@ -120,12 +120,12 @@ def compute_bytes_per_member(study: Study) -> int:
 
 
 def compute_members_per_piece(size: int) -> int:
-    """Return how many members of `size` bytes `MAX_PIECE_BYTES` can hold, rounded down to a power of 2 (at least 1)."""
+    """Return how many members of `size` bytes fit into `MAX_PIECE_BYTES`, rounded down to a power of 2 (at least 1)."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 
 def list_variable_names(study: Study) -> tuple[str, ...]:
-    """Return the names of all variables of a result: contact sums and, for measured bodies, contact statistics."""
+    """Return the names of all variables of a result, such as forces and areas summed over contacts."""
     if not study.is_measured:
         return study.contact_sum_names()
     return tuple(
@@ -149,7 +149,7 @@ def _list_dims(study: Study, name: str) -> tuple[str, ...]:
 
 
 def stack_members(study: Study, members: Sequence[ArraysByName]) -> ArraysByName:
-    """Stack the arrays of several members along a member axis, which follows the axes of cells, such as cutoffs."""
+    """Stack the arrays of several members along a new axis, which follows existing axes such as the cutoff."""
     axis = len(study.surfaces.cell_coordinates())
     return {
         name: np.stack([member[name] for member in members], axis=0 if name in MEMBER_COORDINATE_TYPES else axis)

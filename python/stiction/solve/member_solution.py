@@ -1,4 +1,4 @@
-"""Solution of one member at all loads: contact sums, contact statistics, and contacts at one load."""
+"""Solution of one member at all loads: forces and areas summed over contacts, contact statistics, single contacts."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def solve_at_loads(
     study: Study, upper: Profile | Surface, lower: Profile | Surface, *, record: SolutionRecord | None = None,
     computes_unloading: bool = False, computes_elastic_area: bool = False,
 ) -> ArraysByName:  # fmt: skip
-    """Solve the contact of two bodies at the loads of a study, and return contact sums and contact statistics.
+    """Solve the contact of two bodies at a study's loads, and return contact statistics and summed forces and areas.
 
     Only measured bodies have contact statistics. Arrays that depend on the motion have the shape (rules, directions,
     loads); all others have the shape (loads,). At loads for which the solver fails, values are NaN and the number of
@@ -553,7 +553,7 @@ def _find_members_with_additional_work(study: Study) -> range:
 
 
 def _estimate_adhesion_iterations(study: Study) -> float:
-    """Estimate the iterations for the pull-off force and for slowly converging adhesive contacts."""
+    """Estimate the number of solver iterations that adhesion adds, for slow convergence and for the pull-off force."""
     factor = ADHESION_ITERATIONS_AT_UNIT_RATIO[study.is_areal]
     min_ratio = factor / MAX_ADHESION_ITERATIONS[study.is_areal]
     return factor / max(_estimate_elasticity_to_adhesion_ratio(study), min_ratio)
@@ -609,7 +609,7 @@ def _estimate_elasticity_to_adhesion_ratio(study: Study) -> float:
 def _solve_generated_member(
     study: Study, repetition: int, record: SolutionRecord | None
 ) -> Iterator[tuple[Any, ArraysByName]]:
-    """Compute the contact sums of one generated member for each cell, that is, fractal dimension and amplitude.
+    """Compute forces and areas summed over the contacts of one generated member, per fractal dimension and amplitude.
 
     Yields the indices of one or several cells with their contact sums.
     """
@@ -634,7 +634,7 @@ def _solve_generated_member(
 
 
 def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> ArraysByName:
-    """Compute the contact sums of two bodies in the asperity model at the approaches of a study."""
+    """Compute forces and areas summed over contacts of two bodies at a study's approaches, in the asperity model."""
     steps, models = _list_loading_steps(study.contact), _list_contact_models(study.contact)
     bodies: Any = upper, lower
     if isinstance(upper, Surface):
@@ -652,7 +652,7 @@ def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile 
 
 
 def _compute_onsets(study: Study, curve: LoadCurve) -> ArraysByName:
-    """Compute tangential stiffness, displacement at sliding and slipped load of generated bodies at each approach.
+    """Compute tangential stiffness, displacement at sliding and slipped load fraction at each approach.
 
     The bodies move in the first direction of the section `[contact]`.
     """
@@ -682,7 +682,7 @@ def _list_loading_steps(contact: Any) -> Floats:
 
 
 def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slice, ArraysByName]]:
-    """Compute the contact sums of generated profiles in the asperity model, one batch of fractal dimensions at a time.
+    """Sum forces and areas over contacts of generated profiles in the asperity model, in batches of fractal dimensions.
 
     Yields the range of fractal dimensions in a batch, with contact sums as arrays of the shape (fractal dimensions,
     amplitudes, sliding rules, steps). Quantities that do not depend on the motion have a single sliding rule.
@@ -732,7 +732,7 @@ def _get_reused_array(shape: tuple[int, ...]) -> Floats:
 def _solve_measured_member(
     study: Study, index: int, arrays: ArraysByName, record: SolutionRecord | None
 ) -> Iterator[tuple[int, ArraysByName]]:
-    """Compute the contact sums and statistics of one measured member at each cutoff.
+    """Compute contact statistics, and forces and areas summed over contacts, of one measured member at each cutoff.
 
     Yields the index of each cutoff with its contact sums. Writes the coordinates of the member to `arrays`.
     """
@@ -756,7 +756,7 @@ def _solve_measured_member(
 
 
 def find_elastic_members(study: Study) -> range:
-    """Return the indices of the members for which the area of elastic contacts is computed too, if the bodies yield."""
+    """Return the indices of the members that are also solved without yielding, which gives the elastic contact area."""
     count = NUM_ELASTIC_PROFILE_MEMBERS
     if study.is_areal:
         is_large = count_grid_points(study) >= MIN_LARGE_MAP_POINTS

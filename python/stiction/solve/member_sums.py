@@ -1,4 +1,4 @@
-"""Contact sums of all members of a study: forces and areas summed over contacts, in memory or in a directory."""
+"""Forces and areas summed over the contacts of each member of a study, in memory or in a directory."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _Value = TypeVar("_Value")
 
 
 class MemberSums:
-    """Contact sums of all members of a study: forces and areas summed over contacts, from which friction is evaluated.
+    """Forces and areas summed over the contacts of each member of a study, from which friction is evaluated.
 
     Parameters
     ----------
@@ -52,29 +52,29 @@ class MemberSums:
         return cls(sums)
 
     def with_study(self, study: Study) -> MemberSums:
-        """Return the same contact sums for evaluation with another study, for example with other mu0 and tau0."""
+        """Return the same forces and areas with another study, for example for evaluation with other mu0 and tau0."""
         sums = MemberSums(self.source)
         sums.study = study
         return sums
 
     @property
     def stored(self) -> StoredResult | None:
-        """Stored result that contains the sums, or None if the sums are only in memory."""
+        """Stored result, or None if the result is only in memory."""
         return self.source if isinstance(self.source, StoredResult) else None
 
     @cached_property
     def study(self) -> Study:
-        """Study with which the contact sums are evaluated."""
+        """Study that defines mu0, tau0 and the other inputs with which friction is evaluated."""
         return self.source.study if isinstance(self.source, StoredResult) else parse_study_of_dataset(self.source)
 
     @property
     def path(self) -> Path | None:
-        """Directory of the stored result, or None if the sums are only in memory."""
+        """Directory of the stored result, or None if the result is only in memory."""
         return None if self.stored is None else self.stored.path
 
     @cached_property
     def dataset(self) -> xarray.Dataset:
-        """Dataset with the contact sums of all members.
+        """Dataset with the forces and areas of all members, summed over contacts.
 
         Raises a `StoreError` if the sums take more than 2 GiB.
         """

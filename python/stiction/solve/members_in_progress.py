@@ -1,4 +1,4 @@
-"""Members whose computation has started: their progress, and their finished steps on disk.
+"""Members whose computation has started: progress of each member, and files with results of its finished steps.
 
     DIR/in_progress/0000003-1b2c3d4e5f6a7b8c/00007.npz     step 7 of member 3, for example the contact at one load
     DIR/in_progress/0000003-1b2c3d4e5f6a7b8c/state.npz     state in the middle of the next step
@@ -48,7 +48,7 @@ advance.
 
 
 class MembersInProgress:
-    """Members that a run is computing, with the progress of each member and the finished steps on disk.
+    """Members that a run is computing: progress of each member, and files with the results of its finished steps.
 
     `estimate_iterations` returns the expected number of iterations of the member with a given index.
     `estimate_mean_iterations` returns the mean of these numbers over all members that the run computes. Without this
@@ -76,11 +76,11 @@ class MembersInProgress:
 
     @cached_property
     def _steps_key(self) -> str:
-        """Key of the stored steps: a checksum of study, software and machine."""
+        """Key that identifies the stored steps: a checksum of study, software and machine."""
         return compute_steps_key(self._study.to_toml())
 
     def add(self, member: int) -> SolutionRecord:
-        """Add a member, and return its record, which contains the steps that an interrupted run has stored."""
+        """Add a member, and return the record of its steps, including steps that an interrupted run has stored."""
         record = (
             SolutionRecord() if self._directory is None else stored_record(self._directory, member, self._steps_key)
         )
@@ -115,7 +115,7 @@ class MembersInProgress:
 
 
 def compute_steps_key(inputs: str, modules: tuple[Path, ...] = ()) -> str:
-    """Compute the key of stored steps: a checksum of inputs, software and machine.
+    """Compute the key that identifies stored results of steps: a checksum of inputs, software and machine.
 
     Steps with the same key are equal in every bit. `modules` are Python modules that determine, besides the solver, the
     steps into which a computation is divided.
@@ -131,7 +131,7 @@ def compute_steps_key(inputs: str, modules: tuple[Path, ...] = ()) -> str:
 
 @cache
 def _hash_step_modules(modules: tuple[Path, ...]) -> str:
-    """Return a checksum of the solver's Python modules and of further modules."""
+    """Return a checksum of the Python modules in the package `stiction.mechanics` and of the given modules."""
     paths = [*sorted(Path(mechanics.__file__).parent.glob("*.py")), *modules]
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()
 
@@ -149,7 +149,7 @@ def _estimate_finished_fraction(iteration_ratio: float) -> float:
 
 
 def find_members_in_progress(directory: Path) -> set[int]:
-    """Return the indices of the members with stored steps in a result directory."""
+    """Return the indices of the members with files of finished steps in a result directory."""
     return {
         member
         for member, member_directory in _list_member_directories(directory)
@@ -158,7 +158,7 @@ def find_members_in_progress(directory: Path) -> set[int]:
 
 
 def find_steps_with_other_keys(directory: Path, member: int, key: str) -> list[Path]:
-    """Return the directories with steps of a member that were stored under another key (checksum) than `key`.
+    """Return the directories in which a member's steps are stored under another key (checksum) than `key`.
 
     Such steps belong to other inputs, other software or another machine.
     """
@@ -170,7 +170,7 @@ def find_steps_with_other_keys(directory: Path, member: int, key: str) -> list[P
 
 
 def remove_stored_steps(directory: Path, members: Container[int] | None = None, key: str | None = None) -> None:
-    """Remove stored steps of members from a result directory.
+    """Remove the files of finished steps of some or all members from a result directory.
 
     `members` selects the members, and `key` selects the checksum. By default, the steps of all members with any
     checksum are removed.

@@ -92,7 +92,7 @@ def choose_block_size(study: Study) -> int:
 def compute_member_sums(
     study: Study, *, executor: Executor | None = None, store: str | Path | None = None, progress: bool = False
 ) -> MemberSums:
-    """Compute the contact sums of all members of a study, in memory or stored in a directory."""
+    """Compute forces and areas, summed over contacts, of all members of a study, in memory or in a directory."""
     check_instance("study", study, Study, "a Study")
     check_bool("progress", progress)
     size = study.ensemble.repetitions * compute_bytes_per_member(study)
@@ -284,7 +284,7 @@ def _create_run_token(path: Path) -> Iterator[SharedResultDirectory]:
 
 @contextlib.contextmanager
 def _add_finished_count_to_errors(stored_result: StoredResult) -> Iterator[None]:
-    """Append the number of finished members to the message of a storage error, or of an error about dead workers."""
+    """Append the number of finished members to the message of an error that a storage fault or a dead worker causes."""
     try:
         yield
     except (StoreError, BrokenExecutor) as error:
@@ -482,7 +482,7 @@ def compute_block(
     version: str, study: Study, directory: SharedResultDirectory | None, members: range,
     members_in_progress: MembersInProgress | None = None,
 ) -> bytes | None:  # fmt: skip
-    """Compute a block of members and write the block file, or return its bytes if the directory is inaccessible."""
+    """Compute a block of members and write its file, or return the file content if the directory is inaccessible."""
     if directory is not None and directory.is_accessible():
         members_in_progress = _create_members_in_progress(study, directory.path)
     content = encode_members(study, members, compute_block_arrays(version, study, members, members_in_progress))
@@ -518,7 +518,7 @@ NUM_PREVIEW_MEMBERS = 4
 
 
 def compute_preview_sums(study: Study) -> MemberSums:
-    """Compute the contact sums of the first few members of a study, for a preview of the result.
+    """Compute forces and areas, summed over contacts, of the first few members of a study, for a preview of the result.
 
     With the asperity model, which also serves as a preview of a half-space result, the computation takes less than a
     second. Raises a `ValueError` if the contact of these members cannot be computed.

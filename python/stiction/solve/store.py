@@ -297,7 +297,7 @@ class StoredResult:
 
     @cached_property
     def _checked_blocks(self) -> set[BlockFile]:
-        """Block files that were read and checked completely; later calls may read single variables unchecked."""
+        """Block files that were read and checked; their variables can later be read without another check."""
         return set()
 
     def _read_block(self, block: BlockFile) -> BlockFileContent:
@@ -627,7 +627,7 @@ def _format_study_file_header(text: str) -> str:
 
 
 def remove_result(stored_result: StoredResult, claim: DirectoryClaim) -> None:
-    """Remove the files of a result (study, blocks, areas, onset) from its directory; other files are kept.
+    """Remove the files of a result, such as the study file and the block files, from its directory; keep other files.
 
     Raises a `StoreError` if the study file was written or edited by hand, or if another run uses the directory.
     """
@@ -863,7 +863,7 @@ def _encode_block_of_zeros(study: Study, count: int) -> bytes:
 
 
 def import_dataset_packages() -> None:
-    """Import packages that encode blocks before the first block is complete, so that no block waits for the import.
+    """Import in advance the packages that encode blocks, so that no finished block waits for the import.
 
     The import takes 0.3 s, in which other threads compute. Only one thread imports at a time: if two threads import
     xarray, each may need a module that the other has not finished, and one import then fails.
