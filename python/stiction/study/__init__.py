@@ -1,1 +1,1 @@
-"""Definition of a study: bodies, contact, inputs with their uncertainty, and the options of a pair."""
+"""Definition of a study: bodies, contact, inputs with their uncertainty, and options for a pair of measured bodies."""

@@ -690,7 +690,7 @@ def parse_contact_settings(
 
 
 def _add_loads_outside_range(given_loads: Floats, margin: float, num_loads: int) -> Floats:
-    """Add a geometric series of `num_loads` loads (mN), from below the smallest to above the largest load.
+    """Add `num_loads` loads (mN) in geometric progression, from below the smallest to above the largest given load.
 
     The progression begins below the smallest given load and ends above the largest, each by the factor `margin`.
     """

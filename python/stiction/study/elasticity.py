@@ -133,7 +133,7 @@ def _combine_moduli(upper: float, upper_ratio: float, lower: float, lower_ratio:
 
 
 def _combine_materials(upper: str, lower: str) -> PairElasticity:
-    """Return the elastic constants of two materials, and the softer material's hardness if this material yields."""
+    """Return the elastic constants of two materials, and the softer material's hardness (None if it does not yield)."""
     upper_body, lower_body = _load_material("upper_material", upper), _load_material("lower_material", lower)
     modulus = _round_to_three_digits(effective_modulus(upper_body, lower_body))
     softer_material = softest_material(upper_body, lower_body) or min(

@@ -383,7 +383,7 @@ def compute_effective_sample_size(log_weight: Floats) -> float:
 
 
 def draw_input_samples(inputs: Mapping[str, UncertainInput]) -> dict[str, Floats]:
-    """Draw `NUM_INPUT_SAMPLES` independent samples of each input from the input's distribution, by input name."""
+    """Draw `NUM_INPUT_SAMPLES` samples of each input, independently for different inputs, and return them by name."""
     points = generate_stratified_points(len(inputs))
     return {name: value.quantile(points[:, column]) for column, (name, value) in enumerate(inputs.items())}
 

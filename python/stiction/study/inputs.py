@@ -214,7 +214,7 @@ def _build_inputs(
 
 
 def _build_hardness_label(hardness: UncertainInput, materials: tuple[Material, ...]) -> str:
-    """Return the label of the hardness, with the body that has this hardness only if the body is certain.
+    """Return the label of the hardness, which names a material only if this material certainly has this hardness.
 
     A measured hardness may belong to the body that the table of materials lists as the harder one.
     """

@@ -116,7 +116,7 @@ _SCORE_COLUMN_PREFIX = "score of "
 
 
 def shared_input_name(name: str, estimate: UncertainInput, pair_checksum: str) -> str:
-    """Return the name of an input that all tests and pairs with the same distribution of the input share.
+    """Return an input name that is equal for all tests and pairs in which the input has the same distribution.
 
     Small contacts lose a larger fraction of their area than large ones, so another pair has another area loss.
     """
@@ -125,7 +125,7 @@ def shared_input_name(name: str, estimate: UncertainInput, pair_checksum: str) -
 
 
 def area_error_name(pair_checksum: str) -> str:
-    """Return the name of the relative error of a pair's true area, which all tests of the pair have in common."""
+    """Return the name of the relative error of a pair's true area; the error is the same in all tests of the pair."""
     return f"area of {pair_checksum}"
 
 
@@ -135,7 +135,7 @@ ValueWithLimits = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class StrengthFit:
-    """Fit of mu0 and tau0 to friction tests for one sliding rule: joint samples, and the quality of the fit."""
+    """Fit of mu0 and tau0 to friction tests under one sliding rule: samples of both parameters, and fit quality."""
 
     sliding: SlidingRule
     # Chi-squared of the best fit, which has no meaning if the errors of the tests were not given.
@@ -165,7 +165,7 @@ class StrengthFit:
     area_per_load_of_tests: Floats = field(default_factory=lambda: np.empty(0))
 
     def resample(self, log_weights: Floats) -> StrengthFit:
-        """Return a copy of the fit with as many joint samples, selected in proportion to weights of the samples.
+        """Return a copy of the fit with the same number of samples, drawn in proportion to their weights.
 
         `log_weights` are the logarithms of the weights, which need no common scale. The fits at bounds are unchanged.
         """
@@ -325,7 +325,7 @@ class InterfaceStrength:
         return cls((fit,), math.nan, math.nan, separated=True, about={"name": str(name_or_path), **description})
 
     def __repr__(self) -> str:
-        """Return text with mu0 + tau0 A/F and, if the tests separate mu0 from tau0, also with mu0 and tau0."""
+        """Return a text that lists mu0 + tau0 A/F and, if the tests distinguish mu0 from tau0, also mu0 and tau0."""
         labelled_intervals = [("mu0 + tau0 A/F", self.identified, "")]
         if self.separated:
             tau0, low, high = (1e3 * value for value in self.tau0)
@@ -352,7 +352,7 @@ class InterfaceStrength:
 
     @property
     def tested_area_per_load(self) -> ValueWithLimits:
-        """True area per load A/F (1/GPa), averaged over the tests: `area_per_load` with its 95 % interval.
+        """Mean true area per load A/F (1/GPa) in the tests, with its 95 % interval.
 
         The limits are NaN without joint samples of A/F, as in older files.
         """
@@ -411,13 +411,13 @@ class InterfaceStrength:
 
     @property
     def possible_zeros(self) -> tuple[str, ...]:
-        """Names of the parameters (mu0 or tau0) that the tests allow to be 0; empty if only one was fitted."""
+        """Names of the parameters (mu0, tau0) that the tests allow to be 0; empty if only one parameter was fitted."""
         fit = self.fits[0]
         return tuple(name for name in fit.fits_at_bounds if compute_coverage_at_bound(getattr(fit, name)) > 0)
 
     @property
     def samples_at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
-        """Samples of (mu0, tau0 in GPa) from the fits with mu0 = 0 and with tau0 = 0 that the tests do not exclude."""
+        """Samples of mu0 and tau0 (GPa) for each fit with mu0 = 0 or tau0 = 0 that the tests do not exclude."""
         return tuple((fit.mu0, fit.tau0) for fit, _ in self.sampled_fits[1:])
 
     def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> ValueWithLimits:
@@ -437,13 +437,13 @@ class InterfaceStrength:
 
     @property
     def excluded(self) -> tuple[SlidingRule, ...]:
-        """Sliding rules that contradict the tests; empty unless the tests agree with another sliding rule."""
+        """Sliding rules that the friction tests contradict; empty unless the tests agree with at least one rule."""
         accepted_rules = [fit.sliding for fit in self.fits if fit.probability > ERROR_SCALING_P_VALUE_LIMIT]
         return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUSION_P_VALUE_LIMIT and accepted_rules)
 
     @cached_property
     def draws(self) -> pandas.DataFrame:
-        """Joint samples of mu0, tau0 (GPa) and hardness (GPa), one sample per row.
+        """Table of samples from the joint distribution of mu0, tau0 (GPa) and hardness (GPa), one sample per row.
 
         The hardness is NaN unless all tests have the same hardness range.
         """
@@ -461,7 +461,7 @@ class InterfaceStrength:
         return replace(parse_study_input("junction_growth", self.about[JUNCTION_GROWTH_HEADER_ENTRY]), value=median)
 
     def has_equal_junction_growth(self, growth: UncertainInput | None) -> bool:
-        """Return whether a junction growth α and its uncertainty equal those of the friction tests.
+        """Return whether a given distribution of the junction growth α equals the distribution in the friction tests.
 
         The value None of `growth` stands for α = 0.
         """
@@ -469,7 +469,7 @@ class InterfaceStrength:
 
 
 def has_growth_of_tests(growth: UncertainInput | None, test_growth: UncertainInput | None) -> bool:
-    """Return whether a junction growth α and its uncertainty equal those of friction tests.
+    """Return whether a given distribution of the junction growth α equals the distribution in friction tests.
 
     The value None of `growth` stands for α = 0, and the value None of `test_growth` for an unknown α.
     """
@@ -484,7 +484,7 @@ def has_growth_of_tests(growth: UncertainInput | None, test_growth: UncertainInp
 
 
 def compute_coverage_at_bound(values: Floats) -> float:
-    """Return the coverage of the interval for a fit with mu0 or tau0 fixed at 0, from samples of the free parameter.
+    """Return the interval coverage of a fit with mu0 or tau0 fixed at 0, from samples of a fit with both free.
 
     A normal density falls to exp(-z²/2) of its maximum at z standard deviations. At 0, where the density falls to
     exp(-d²/2), the part of the 95 % region with z² < 1.96² - d² remains. This probability is 95 % if the density at 0
@@ -700,7 +700,7 @@ def _published_interfaces() -> dict[str, dict[str, str]]:
 
 
 def read_interface_entries(path: str | Path) -> dict[str, dict[str, str]]:
-    """Return kind, mu0, tau0 and other texts by file name, from an interface file or all files in a directory.
+    """Return kind, mu0, tau0 and other texts of an interface file or of all such files in a directory, by file name.
 
     Files of other kinds in the directory are ignored.
     """
@@ -775,7 +775,7 @@ class InterfaceSettings(SettingsSection):
         })  # fmt: skip
 
     def find_current_entry(self) -> InterfaceSettings | None:
-        """Return the present entry of the interface, or None if the interface file is missing or has changed.
+        """Create the study entry from the interface file again, or return None if the file is missing or has changed.
 
         A changed file has other central values of mu0 or tau0. The ranges are not compared, because the rule for
         intervals of a fit depends on the version of the program that stored the entry.
@@ -798,7 +798,7 @@ class InterfaceSettings(SettingsSection):
 
     @property
     def caveats_of_missing_file(self) -> dict[str, str] | None:
-        """Caveats of the tests by header entry, if the interface file was moved or deleted; None if they are unknown.
+        """Stored caveats of the tests by header entry; None if no caveats are stored or the interface file exists.
 
         The caveats are unknown if the file has changed, or if an older version of the program stored this section.
         """
@@ -807,7 +807,7 @@ class InterfaceSettings(SettingsSection):
         return {FAULTS_HEADER_ENTRY: self.faults, CAUTIONS_HEADER_ENTRY: self.cautions}
 
     def find_junction_growth(self) -> UncertainInput | None:
-        """Return the junction growth α of the tests, from the study if the interface file was moved or deleted.
+        """Return the junction growth α of the tests from the interface file or, if the file is missing, from the study.
 
         Returns None if α differs between tests, has no effect on the tests or is unknown.
         """
@@ -843,7 +843,7 @@ class InterfaceSettings(SettingsSection):
 
 
 def _format_strength(median: float, interval: ValueWithLimits, scale: float, unit: str) -> str:
-    """Format mu0, or tau0 (GPa), with its 95 % interval for a study file, as in "50 MPa (20..80 MPa)"."""
+    """Format mu0 or tau0 with its 95 % interval as text for a study file, such as "50 MPa (20..80 MPa)"."""
     low, high = (f"{scale * end:.4g}" for end in interval[1:])
     central = exact_quantity_text(median, "GPa") if unit else repr(median)
     return f"{central} ({low}..{high}{unit})" if float(low) < float(high) else central

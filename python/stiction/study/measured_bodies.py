@@ -239,7 +239,7 @@ class MeasuredBodySettings(SettingsSection):
 
     @property
     def name(self) -> str:
-        """Name of the body in output: first file without directory, and number of further scans."""
+        """Name of the body in output: name of its first scan file, and number of further scans."""
         return Path(self.file).name + (f" and {len(self.others)} more" if self.others else "")
 
     def _apply_to_scans(self, change: Callable[[MeasuredBodySettings], MeasuredBodySettings]) -> MeasuredBodySettings:
@@ -348,7 +348,7 @@ class MeasuredBodySettings(SettingsSection):
         return self._apply_to_scans(mask_outliers)
 
     def with_tip_correction(self, factor: float) -> MeasuredBodySettings:
-        """Return a copy of the body with a multiple of the tip correction, for scans with a known tip radius."""
+        """Return a copy of the body with `factor` times the tip correction in all scans whose tip radius is known."""
         return self._apply_to_scans(
             lambda scan: scan if scan.tip is None else scan.model_copy(update={"tip_correction": factor})
         )
@@ -469,7 +469,7 @@ def _compute_checksum(body: MeasuredBody) -> str:
 
 @dataclass(frozen=True)
 class _ScanFile:
-    """Cache key for the content of a scan file: the file's settings with name, checksum and reading options.
+    """Cache key for the content of a scan file: file name, checksum and reading options.
 
     The path of the file is not compared.
     """

@@ -82,7 +82,7 @@ of array axes.
 
 @dataclass(frozen=True)
 class BodyAttributes:
-    """Nominal area of the measured bodies in a result, and attributes such as grid and history.
+    """Nominal area and attributes, such as grid and history, that a result stores about measured bodies.
 
     Both are empty for generated bodies.
     """
@@ -92,7 +92,7 @@ class BodyAttributes:
 
     @classmethod
     def from_values(cls, nominal_area: float, values: Mapping[str, Any]) -> BodyAttributes:
-        """Create attributes from a nominal area (µm²) and a mapping of names to values, and convert the data types."""
+        """Create body attributes from a nominal area (µm²) and named values, converted to the stored data types."""
         return cls(nominal_area, {name: BODY_ATTRIBUTE_SPECS[name].encode(value) for name, value in values.items()})
 
 
@@ -194,7 +194,7 @@ def build_map_pairs(
     upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, rotation: float = 0.0,
     shifts: tuple[tuple[float, float], ...] | None = None,
 ) -> MapPairs:  # fmt: skip
-    """Level two height maps, flip the upper map, and return the source of overlapping pairs of pieces.
+    """Level two height maps, flip the upper map, and return a source of pairs of overlapping map pieces.
 
     The upper map is also rotated by an angle in degrees.
     """

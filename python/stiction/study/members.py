@@ -44,7 +44,7 @@ TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}
 
 
 def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
-    """Generate the random phases (rad) of Eq. 1 for one body: a row per direction, a column per frequency."""
+    """Generate random phases (rad) of one body for Eq. 1 of the paper: a row per direction, a column per frequency."""
     surfaces: Any = study.surfaces
     return fractal.random_phases(
         study.ensemble.seed, repetition=repetition, side=side, directions=surfaces.directions,
@@ -53,7 +53,7 @@ def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
 
 
 def _get_weierstrass_arguments(surfaces: Any) -> dict[str, Any]:
-    """Return the parameters of Eq. 1 for a study's profiles: length scale, γ, definition of D, and band limit."""
+    """Return the parameters of Eq. 1 of the paper for profiles: length scale, γ, definition of D, and band limit."""
     return {
         "length_scale": float(surfaces.length_scale), "gamma": surfaces.gamma, "convention": surfaces.convention,
         "band_limit": None if surfaces.band_limit == "none" else surfaces.band_limit,
@@ -270,7 +270,7 @@ class PreparedBodies:
 
     @cached_property
     def _pressed_bodies(self) -> list[Profile | Surface]:
-        """Filtered scans from which members are cut, one per body; empty if the study has a gap or spectra instead."""
+        """Low-pass filtered scans, one per body, from which members are cut; empty for a measured gap or spectra."""
         pairs = getattr(self.members(self._surfaces.reported_cut_off()), "pairs", None)
         filtered_scans = [getattr(pairs, side, None) for side in SIDES]
         bodies = [body for body in filtered_scans if isinstance(body, Profile | Surface)]
@@ -290,7 +290,7 @@ class PreparedBodies:
 
     @cached_property
     def _drift_attributes(self) -> dict[str, Any]:
-        """Attributes for the drift of the roughness along a scan, for each body with a single scan.
+        """Drift of the roughness along the scan of each body that has a single scan, as attributes of a result.
 
         Each attribute also contains the body's fraction of the mean square slope of the gap.
         """
