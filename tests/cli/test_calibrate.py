@@ -140,6 +140,12 @@ def test_calibrate_command_rejects_a_target_that_is_no_measured_pair(tmp_path):
     assert_rejected(completed, "--target must be the result of a measured pair with a load, got generated")
 
 
+def test_error_about_missing_tested_surfaces_names_the_option_that_a_target_needs_in_addition(two_finishes_directory):
+    arguments = ["--load", "80 MPa", "--measured", "0.25±0.01", "--target", "lapped"]
+    completed = call_stiction("calibrate", *arguments, cwd=two_finishes_directory)
+    assert_rejected(completed, "--pair DIR or --ball RADIUS must be given", "give --pair lapped too")
+
+
 def test_calibrate_command_warns_about_a_ball_loaded_beyond_yield(tmp_path):
     options = ("--ball", "1 mm", "--upper", "PMMA", "--lower", "glass", "--load", "5 N", "--measured", "0.3±0.01")
     completed = check_stiction("calibrate", *options, cwd=tmp_path)

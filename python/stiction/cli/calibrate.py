@@ -121,7 +121,10 @@ def calibrate(
     else:
         reject_options(context, "requires --ball", *_BALL_OPTIONS)
     if not bodies:
-        raise ValueError("--pair DIR or --ball RADIUS must be given to specify the tested surfaces")
+        tests_of_target = (
+            "" if target is None else f"; if you tested the target, give --pair {printable_path(target)} too"
+        )
+        raise ValueError(f"--pair DIR or --ball RADIUS must be given to specify the tested surfaces{tests_of_target}")
     if forces is not None:
         reject_options(context, "cannot be combined with FORCES.csv", "load", "measured")
         tests = parse_friction_tests(forces, bodies)
