@@ -347,7 +347,7 @@ def maugis_dugdale(
     work_of_adhesion: ArrayLike,
     adhesion_range: ArrayLike,
 ) -> tuple[Floats, Floats]:
-    """Compute the contact radius and the pull-off force of a sphere with constant attraction (Maugis-Dugdale).
+    """Compute contact radius and pull-off force of a sphere with constant attraction within a range (Maugis-Dugdale).
 
     Parameters
     ----------

@@ -99,7 +99,7 @@ def contacts(found: Candidates, approach: float | str, /, **contact: Unpack[Cont
 
 @add_model_keywords_to_signature
 def contacts(upper: Any, lower: Any = None, approach: Any = None, **contact: Any) -> Contacts:
-    """Compute all contacts of two surfaces at one approach.
+    """Compute all contacts between two surfaces at one approach (µm).
 
     The call is ``contacts(upper, lower, approach)`` or ``contacts(candidates, approach)``.
 

@@ -236,7 +236,7 @@ class FrictionLaw:
         )
 
     def _compute_remaining_friction_fraction(self, load: Any, area: Any, pressure: Any, hardness: Any) -> Floats:
-        """Return the factor by which the shear strength of the softer body reduces the friction force.
+        """Return the fraction of the friction force that remains because the softer body's shear strength limits it.
 
         The traction at each point is the smaller of mu0 p + tau0 and the shear strength k. The pressures p follow a
         Weibull distribution over the true area, which is limited at `pressure` and has the mean load/area. The

@@ -129,7 +129,7 @@ class HalfSpaceContact(PlotReprMixin):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HalfSpaceCurve(FrictionCurve):
-    """Half-space contacts of two surfaces at several loads, with friction for any mu0 and tau0.
+    """Half-space contacts of two surfaces at several loads, from which friction follows for any mu0 and tau0.
 
     Arrays are read-only.
 

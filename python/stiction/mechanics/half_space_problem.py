@@ -446,7 +446,7 @@ def coarsen_problem(problem: HalfSpaceProblem) -> HalfSpaceProblem:
 
 
 def take_every_second_point(values: Floats) -> Floats:
-    """Return the values at every second point along each axis, which are the points of a coarsened problem."""
+    """Return the array elements at every second point along each axis, which form the grid of a coarser problem."""
     return np.ascontiguousarray(values[(slice(None, None, 2),) * values.ndim])
 
 
@@ -594,7 +594,7 @@ class ContactSolver:
         )
 
     def at(self, step: float, near: Floats | None) -> _core.HalfSpaceSolution:
-        """Solve the contact at a load or an approach.
+        """Solve the contact at one load (mN) or one approach (µm), depending on `step_kind`.
 
         Raises `NoSolutionError` if the error exceeds the tolerance.
         """
@@ -613,7 +613,7 @@ class ContactSolver:
     def contacts_at(
         self, steps: Floats, near: Floats | None, progress: Callable[[int, int, float], object] | None
     ) -> StepResult:
-        """Solve the contact at several loads or approaches.
+        """Solve the contact at several loads (mN) or several approaches (µm), depending on `step_kind`.
 
         Each step starts from the pressures of the step before it.
 

@@ -162,7 +162,7 @@ class LoadCurve(FrictionCurve, ContactSums):
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class SurfaceLoadCurve(LoadCurve):
-    """Loads and contact area of two surfaces at each approach, for any mu0 and tau0 and in any direction.
+    """Loads and contact area of two surfaces at each approach, for any mu0, tau0 and direction of motion.
 
     Extends `LoadCurve`. If several directions are given, the tangential and lateral sums, and the normal sums per mu0
     and tau0, have the shape (m, k); loads and coefficients have the shape of (mu0, tau0) + (m, k).

@@ -168,7 +168,7 @@ class SurfacePair:
 def find_approaches_at_loads(
     bodies: SurfacePair, loads: Floats, *, mu0: float, tau0: float, model: ContactModel
 ) -> tuple[Floats, NDArray[np.str_]]:
-    """Return the smallest approach (µm) that supports each load (mN), and "ok" or the reason why there is none."""
+    """Return for each load (mN) the smallest approach (µm) that supports the load, and "ok" or why no approach does."""
 
     def normal_load(sums: ContactSums) -> Floats:
         return friction.FrictionLaw(mu0, tau0).load("normal", sums)

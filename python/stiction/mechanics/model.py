@@ -124,7 +124,7 @@ class ContactModel:
         )
 
     def for_profiles(self) -> ContactModel:
-        """Return the model with the defaults for profiles.
+        """Return the model with unset parameters replaced by the defaults for profiles.
 
         Raise a `ValueError` if its direction is not along x.
         """
@@ -133,7 +133,7 @@ class ContactModel:
         return self._with_defaults(self.detection or "cell", self.curvature or "convex")
 
     def for_surfaces(self) -> ContactModel:
-        """Return the model with the defaults for surfaces.
+        """Return the model with unset parameters replaced by the defaults for surfaces.
 
         Raise a `ValueError` if the model is for profiles only.
         """

@@ -38,7 +38,7 @@ class SolutionRecord:
         return compute()
 
     def read_state(self) -> StepResult | None:
-        """Return the stored state of the current step if an earlier run was interrupted in this step, or None."""
+        """Return the stored state of the current step if an earlier run was interrupted in it, otherwise None."""
         return None
 
     def offer_state(self, get_state: Callable[[], StepResult]) -> None:

@@ -72,7 +72,7 @@ def solve_with_balanced_tilt(
     def search_balance(
         start: HalfSpaceProblem, load: float, near: Floats | None, tolerance: float
     ) -> ContactSolution | None:
-        """Search for the balanced tilt by Newton steps from the tilt of the problem `start`.
+        """Search for the balanced tilt with Newton's method, starting at the tilt of the problem `start`.
 
         Return None if the search fails.
         """
