@@ -1,4 +1,4 @@
-"""Alternative preparations of a pair's scans. The combined interval covers the results of all preparations.
+"""Alternative preparations of a pair's scans; the pair's combined interval includes the result of each preparation.
 
 Each alternative preparation is a separate study with the members and loads of the pair, stored in the directory of the
 pair's result: *spikes* masks outliers, and *tip* estimates the roughness that a blunt tip did not reach.

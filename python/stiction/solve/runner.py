@@ -468,7 +468,7 @@ def _submit_member_ranges(
 
 @dataclass(frozen=True)
 class SharedResultDirectory:
-    """Result directory into which workers write block files, if a worker can access the directory."""
+    """Result directory into which each worker writes its block files, provided that it can access the directory."""
 
     path: Path
     token: str

@@ -107,7 +107,7 @@ class StoreError(ValueError):
 
 @dataclass(frozen=True)
 class BlockFile:
-    """Block file. The file name contains the first member, the last member and a checksum of the content."""
+    """Block file, whose name contains the indices of its first and last member and a checksum of its content."""
 
     first: int
     last: int
@@ -121,7 +121,7 @@ class BlockFile:
 
 @dataclass(frozen=True)
 class StoreInfo:
-    """Description of a result directory: study, number of finished members, file size and version."""
+    """Description of a result directory: study, number of finished members, size of block files, stiction version."""
 
     study: Study
     finished: int
@@ -521,7 +521,7 @@ def is_complete(path: str | Path, study: Study) -> bool:
 
 
 def info(path: str | Path) -> StoreInfo:
-    """Return study, number of finished members, file size and version of a stored result.
+    """Return study, number of finished members, size of all block files, and stiction version of a stored result.
 
     At most one block file is read.
 
@@ -816,7 +816,7 @@ _dataset_package_import_lock = threading.Lock()
 
 @dataclass(frozen=True)
 class BlockFileContent:
-    """Content of a block file: arrays of several members, and the study and version that computed the members."""
+    """Content of a block file: arrays of several members, their study, and the stiction version that computed them."""
 
     study: Study
     version: str

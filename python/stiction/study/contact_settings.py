@@ -89,7 +89,7 @@ class HertzCylinderSettings(SettingsSection):
 
 
 class JacksonGreenSettings(SettingsSection):
-    """Section `law` for the Jackson-Green contact law, with yield strength and Poisson's ratio of the softer body."""
+    """Section `law` for the Jackson-Green contact law: yield strength and Poisson's ratio of the softer body."""
 
     name: Literal["jackson-green"]
     yield_strength: Modulus

@@ -338,7 +338,7 @@ class InterfaceStrength:
         return "\n".join(["Interface", *rows, *(f"  {key:<14}  {text}" for key, text in self.about.items())])
 
     def with_caveats(self, entry: str, texts: Sequence[str]) -> Self:
-        """Return a copy of the interface with further caveats in the header entry `entry` (faults or cautions).
+        """Return a copy of the interface with further caveats in the header, in the entry for faults or for cautions.
 
         Interface files contain the caveats, so that they also apply to the coefficients of pairs with this interface.
         """
