@@ -235,7 +235,10 @@ def _find_contradicting_unit_caveat(table: ColumnTable, unit: str | None) -> tup
 
 
 def _has_height_range(heights: Floats, declared: DeclaredLength) -> bool:
-    """Return whether heights have the range that the header declares with at least three digits."""
+    """Return whether heights have the range that the header declares.
+
+    The result is false if the declared range has fewer than three significant digits.
+    """
     height_range = float(np.fmax.reduce(heights, axis=None) - np.fmin.reduce(heights, axis=None))
     return abs(height_range - declared.length) <= 0.51 * declared.digit and declared.digit <= 1e-2 * declared.length
 
@@ -363,7 +366,10 @@ def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[st
 
 
 def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
-    """Return a caveat if a column of heights may begin with a step or size, or end with a count of points."""
+    """Return a caveat if the first number or one of the last numbers of a column may not be a height.
+
+    The first number may be the spacing or the size of the scan, and one of the last three may be the count of points.
+    """
     if (
         table.values.shape != (table.values.size, 1)
         or table.values.size < MIN_COMPARED_NUMBERS + 1
@@ -691,7 +697,7 @@ def _correlate_with_index(values: Floats) -> float:
 
 
 def has_equal_steps(values: Floats, slack: float = 0.0) -> bool:
-    """Return whether numbers rise or fall in equal steps, like positions.
+    """Return whether numbers increase or decrease by a constant step, as positions along a line do.
 
     The first number is ignored, because it may be the corner of a table.
     """
@@ -722,7 +728,7 @@ def _has_equal_steps_as_printed(values: Floats, digits: Callable[[], Floats] | N
 
 
 def _is_labelled_matrix(table: ColumnTable) -> bool:
-    """Return whether a table has positions in the first row and in the first column, and an empty corner."""
+    """Return whether a table has positions in its first row and first column, and an empty upper left cell."""
     values = table.values
     if min(values.shape) < 5 or not np.isnan(values[0, 0]) or table.is_array:
         return False
@@ -796,7 +802,7 @@ def _read_xyz_table(table: ColumnTable, *places: int) -> RawHeights:
 
 
 def _is_line_of_points(table: ColumnTable) -> bool:
-    """Return whether a table lists points x, y, z of a profile along x, with the same y at all points."""
+    """Return whether a table lists the points of a profile along x in columns x, y and z, with a constant y."""
     places = _find_xyz_columns(table)
     if places is None or table.is_array or (table.values.shape[1] != 3):
         return False
@@ -817,7 +823,10 @@ def _reject_ambiguous_columns(table: ColumnTable) -> RawHeights:
 
 
 def _describe_missing_information(table: ColumnTable) -> str:
-    """Return clauses for an error message that request the unit or spacing that a table lacks; "" if both are known."""
+    """Return text for an error message that requests the unit of length and the spacing if a table lacks them.
+
+    The text is empty if the table has both.
+    """
     declared, requirements = table.declared, []
     if all(unit is None for unit in _list_column_units(table)) and declared.unit is None:
         requirements.append("the unit of lengths is required as well (--unit)")

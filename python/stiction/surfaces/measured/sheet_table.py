@@ -72,7 +72,7 @@ def _select_cells(row: Sequence[Any], columns: Sequence[int]) -> list[Any]:
 
 
 def _join_row_cells(row: Sequence[Any], columns: Sequence[int]) -> str:
-    """Join the cells of a sheet row to a line of text with tabs.
+    """Join the cells of a sheet row with tabs to form one line of text.
 
     In rows of numbers and of column names, only the columns of the table are kept.
     """

@@ -256,7 +256,7 @@ def _parse_optional_unit(unit: str | None) -> str | None:
 def find_first_match(
     pattern: LazyPattern, lines: Sequence[str], parse_match: Callable[[re.Match[str]], _T | None]
 ) -> _T | None:
-    """Return the first parsed result, other than None, among the header lines that begin with a pattern.
+    """Return the first successful result of parsing the header lines that begin with a pattern.
 
     Returns None if no line can be parsed.
     """
@@ -276,7 +276,7 @@ def _complete_pair_or_none(pair: Sequence[_T | None]) -> tuple[_T, _T] | None:
 
 
 def parse_bracketed_length(match: re.Match[str]) -> DeclaredLength | None:
-    """Parse a length with the unit after the number, or in brackets after the name of the length."""
+    """Parse a length from a header line with the unit in either place: "dx: 5 um" or "dx (um): 5"."""
     return parse_length(match[2], match[3] or match[1], line=match.string)
 
 
@@ -285,7 +285,7 @@ def _parse_unitless_number(match: re.Match[str]) -> float | None:
 
 
 def _parse_bare_number(number: str) -> float | None:
-    """Parse a spacing without a unit.
+    """Parse the number of a spacing that a header line declares without a unit.
 
     Returns None if the number is not a possible spacing.
     """

@@ -1,4 +1,4 @@
-"""Files of spectra that were joined from several scans: a header with one line per scan, and a CSV table."""
+"""CSV files that contain the spectrum of a surface, joined from the spectra of several scans."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def _parse_scan_name(text: str) -> str:
 
 
 def is_spectrum_file(path: Path) -> bool:
-    """Return whether a file is a CSV table of a spectrum, written by `write_spectrum` or with the same columns."""
+    """Return whether a file is a CSV table with a column of spectral density, as `write_spectrum` writes it."""
     # Reading a pipe would block, so only a file is read.
     if path.suffix.lower() != ".csv" or not path.is_file():
         return False

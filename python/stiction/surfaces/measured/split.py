@@ -157,7 +157,11 @@ class NumberBlock:
 
 
 def last_digit_value(values: Floats, decimals: int, digits: int) -> Floats:
-    """Return the place values of the last printed digits of numbers, from the counts of decimals and digits."""
+    """Return the place value of the last printed digit of each number, for example 0.01 for 1.25.
+
+    The place value is the larger of two: one follows from `decimals` decimals, the other from `digits` significant
+    digits.
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
         decimal_exponents = np.floor(np.log10(np.abs(values)))
     last_digit_exponents = np.where(np.isfinite(decimal_exponents), decimal_exponents, -400) + 1 - digits
@@ -165,7 +169,7 @@ def last_digit_value(values: Floats, decimals: int, digits: int) -> Floats:
 
 
 def find_numeric_line_runs(text: DecodedText) -> list[tuple[int, int]]:
-    """Return the first and the last line of each run of number lines.
+    """Return the indices of the first and the last line of each run of consecutive lines of numbers.
 
     Blank lines do not end a run.
     """
@@ -177,7 +181,7 @@ def find_numeric_line_runs(text: DecodedText) -> list[tuple[int, int]]:
 
 
 def detect_dialect(text: DecodedText, first: int, last: int) -> Dialect:
-    """Detect the separator and the decimal mark with which most lines in a range can be parsed as numbers.
+    """Detect the cell separator and the decimal mark with which most lines of a table can be parsed as numbers.
 
     Raises `FormatError` if no number format fits the lines, or if two formats fit.
     """
@@ -257,7 +261,7 @@ def describe_remedy_of_word(word: str) -> str:
 
 
 def _truncate_line(line: str, width: int) -> str:
-    """Truncate a long line after a complete cell."""
+    """Truncate a line to at most `width` characters, without cutting a cell."""
     return line if len(line) <= width else re.sub(r"[^\t;|, ]*$", "", line[:width]).rstrip("\t;|, ")
 
 
@@ -284,12 +288,15 @@ def _interpret_commas(text: DecodedText, first: int, sample: list[str], dialect:
 
 
 def _find_line_above_table(text: DecodedText, first: int) -> str:
-    """Return the last line before line `first` that is not empty, or ""."""
+    """Return the last nonempty line above the line with index `first`, or "" if all lines above are empty."""
     return next((line for index in range(first - 1, -1, -1) if (line := text.line(index)).strip("\t")), "")
 
 
 def _reject_ambiguous_commas(text: DecodedText, first: int, last: int, dialect: Dialect) -> None:
-    """Raise `FormatError` if every comma may also be a thousands separator, so that "1,250" is 1.25 or 1250."""
+    """Raise `FormatError` if commas may be decimal marks or thousands separators, so that "1,250" may be 1.25 or 1250.
+
+    A single comma that cannot be a thousands separator makes all commas decimal marks.
+    """
     ambiguous_pattern = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
     example_line, example_cell = -1, ""
     for line in range(first, last + 1):
@@ -313,7 +320,7 @@ def _reject_ambiguous_commas(text: DecodedText, first: int, last: int, dialect: 
 def parse_number_block(
     text: DecodedText, first: int, last: int, dialect: Dialect, *, ragged: bool = False
 ) -> NumberBlock:
-    """Parse a range of number lines as a matrix with one row per line.
+    """Parse the lines of numbers from `first` to `last` as a matrix with one row per line.
 
     Lines of at most `MAX_CELLS_IN_COUNT_LINE` cells at the beginning are sizes and counts, and are skipped. Other lines
     with an unusual number of cells are rejected. Missing cells are filled with NaN in two cases: if only the height at
@@ -378,7 +385,7 @@ def parse_number_block(
 
 
 def _rows_begin_with_positions(blob: bytes, cell_separator: bytes, count: int) -> bool:
-    """Return whether the first `count` rows begin with positions, whose steps equal the steps in later rows."""
+    """Return whether the first `count` rows and the next three rows begin with equally spaced positions."""
     first_cells = [row.split(cell_separator)[0] for row in blob.split(b"\n", count + 3)[:-1]]
     if not count or not all(map(_is_number, first_cells)):
         return False
@@ -387,7 +394,7 @@ def _rows_begin_with_positions(blob: bytes, cell_separator: bytes, count: int) -
 
 
 def parse_numbers_in_lines(text: DecodedText, first: int, last: int) -> Floats:
-    """Parse all numbers in a range of lines, where blanks or line breaks separate numbers."""
+    """Parse all numbers, separated by blanks or line breaks, in the lines from `first` to `last`."""
     blob = text.data[text.line_starts[first] : text.line_starts[last + 1]]
     if blob.translate(None, NUMERIC_CHARACTERS):
         blob = text.missing_word_pattern.sub(b"nan", blob)
@@ -454,7 +461,10 @@ _BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")
 
 
 def _has_adjacent_dashes(blob: bytes) -> bool:
-    """Return whether a text contains two adjacent dashes. Comparing pairs of bytes is faster than a text search."""
+    """Return whether a text contains two adjacent dashes.
+
+    Comparing pairs of bytes is faster than a text search.
+    """
     byte_pairs = (np.frombuffer(blob, np.uint16, (len(blob) - first_byte) // 2, first_byte) for first_byte in (0, 1))
     return len(blob) >= 2 and any((pairs_at_offset == _TWO_DASHES_AS_INTEGER).any() for pairs_at_offset in byte_pairs)
 

@@ -1,4 +1,4 @@
-"""Second step of reading a text file: parse an instrument's layout, or else a table with header and footer."""
+"""Parsing of decoded text files, with the file layout of a known instrument or else as a table of numbers."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def read_text(data: bytes, words: tuple[str, ...] = ()) -> ReaderResult:
 
 
 def parse_content(text: DecodedText) -> ReaderResult:
-    """Parse a text with the first instrument layout that recognises the text, or else as a table."""
+    """Parse a text with the first known instrument layout that matches, or as a table if no layout matches."""
     layout = find_layout(text)
     return parse_table(text) if layout is None else record_layout_and_encoding(layout.read(text), text, layout.name)
 
@@ -41,7 +41,7 @@ def find_layout(text: DecodedText) -> TextLayout | None:
 
 
 def record_layout_and_encoding(content: ReaderResult, text: DecodedText, layout: str) -> ReaderResult:
-    """Record the layout and the encoding of a text file in the content's attribute `source`, and return the content."""
+    """Return parsed content with the layout and the encoding of its text file recorded in the attribute `source`."""
     if isinstance(content, HeightChannels):
         read_channel = content.read
         return replace(content, read=lambda line: record_layout_and_encoding(read_channel(line), text, layout))  # type: ignore[arg-type, return-value]

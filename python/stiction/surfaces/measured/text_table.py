@@ -1,4 +1,4 @@
-"""Second step of reading a text file: convert a table to columns of numbers, or several tables to channels."""
+"""Conversion of a text to a table of numeric columns, or to one channel per table if there are several tables."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ MIN_BLOCK_ROWS = 2
 
 
 def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
-    """Parse the longest run of number lines in a text as a table, with the header above the numbers.
+    """Parse the longest run of consecutive lines of numbers in a text as a table, with the header above this run.
 
     If other runs have as many columns as the longest, each run is a channel.
     """
@@ -90,7 +90,10 @@ def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
 
 
 def _reject_rows_above_table(text: DecodedText, block: NumberBlock) -> None:
-    """Raise `FormatError` if many lines above a table contain numbers that are neither counts nor sizes."""
+    """Raise `FormatError` if so many lines of numbers precede a table that they may be rows of another table.
+
+    Lines of at most `MAX_CELLS_IN_COUNT_LINE` cells are not counted, because they may contain counts or sizes.
+    """
     lines = np.flatnonzero(text.line_kinds[: int(block.lines[0])] == NUMBER_LINE_CODE).tolist()
     max_rows = int(MAX_FOOTER_FRACTION * block.lines.size) + 2
     if len(lines) <= max_rows:
@@ -104,7 +107,7 @@ def _reject_rows_above_table(text: DecodedText, block: NumberBlock) -> None:
 
 
 def _reject_separated_positions(text: DecodedText, runs: list[tuple[int, int]], block: NumberBlock) -> None:
-    """Raise `FormatError` if words separate the first row of a profile from the other rows.
+    """Raise `FormatError` if lines of text separate one row of a profile from the rows that follow it.
 
     The separate row has two cells, and its position precedes the first position of the other rows by whole steps.
     """
@@ -129,7 +132,10 @@ def _reject_separated_positions(text: DecodedText, runs: list[tuple[int, int]], 
 def _to_table(
     text: DecodedText, block: NumberBlock, header_start: int, word_columns: Sequence[WordColumnWithMissingLines] = ()
 ) -> ColumnTable:
-    """Convert a block of numbers to a table with its header (from line `header_start`) and its footer."""
+    """Convert a matrix of numbers in a text to a table, and parse the header and the footer of the table.
+
+    The header begins at line `header_start`.
+    """
     first, end = int(block.lines[0]), int(block.lines[-1]) + 1
     header, footer = (
         text.nonempty_lines(header_start, first),
@@ -205,7 +211,7 @@ def _find_units(words: Iterable[str]) -> tuple[str, ...]:
 
 
 def make_height_provenance(block: NumberBlock) -> HeightProvenance:
-    """Return line range, encoding, separator and decimal mark of a matrix of numbers in a text."""
+    """Return the provenance of heights in a text file: lines, encoding, cell separator and decimal mark."""
     text, first_line, end = block.text, int(block.lines[0]), int(block.lines[-1]) + 1
     decimal_mark = "." if block.dialect.pairs else block.dialect.point
     return HeightProvenance(
@@ -216,7 +222,7 @@ def make_height_provenance(block: NumberBlock) -> HeightProvenance:
 
 
 def _include_label_line(text: DecodedText, first: int, last: int, dialect: Dialect) -> int:
-    """Return the first line of a table: the line above `first` if it lists column positions, otherwise `first`."""
+    """Return the index of the first line of a table, which may be a line of column positions above line `first`."""
     line_above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
     if line_above < 0 or dialect.separator is None:
         return first
@@ -257,7 +263,11 @@ def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, run
 def _repeats_words(
     text: DecodedText, dialect: Dialect, kinds: list[str | None], cells: list[str], other_line: int
 ) -> bool:
-    """Return whether a line has the same words in the same cells as line `other_line`; a header has other words."""
+    """Return whether the cells of the line `other_line` have the same kinds and the same words as the given cells.
+
+    Adjacent rows often repeat a word, but the lines of a header rarely do. The result is false if none of several cells
+    is a number.
+    """
     if not 0 <= other_line < len(text) or (len(cells) > 1 and "number" not in kinds):
         return False
     other_cells = dialect.split_line(text.line(other_line))
@@ -274,7 +284,7 @@ def _reject_word(text: DecodedText, line: int, word: str) -> None:
 
 
 def _are_position_labels(cells: list[str], dialect: Dialect) -> bool:
-    """Return whether all cells of a line except the first rise or fall in equal steps, like column positions."""
+    """Return whether all cells of a line except the first are equally spaced numbers, as column positions are."""
     matches = [dialect.number_pattern.fullmatch(cell) for cell in cells[1:]]
     if len(cells) < 5 or not all(match and (match[2] or match[3]) for match in matches):
         return False
@@ -285,7 +295,7 @@ def _are_position_labels(cells: list[str], dialect: Dialect) -> bool:
 def _find_runs_of_equal_width(
     text: DecodedText, runs: list[tuple[int, int]], main_run: tuple[int, int], dialect: Dialect
 ) -> list[tuple[int, int]]:
-    """Return the runs of number lines with as many columns as the run `main_run`.
+    """Return all runs of consecutive lines of numbers that have as many columns as the run `main_run`.
 
     Short runs of one or two columns above the first of these runs are left out, because they may be counts or sizes.
     """

@@ -24,7 +24,7 @@ MAX_LISTED_WORDS = 4
 
 @dataclass(frozen=True)
 class WordColumnWithMissingLines:
-    """Column of words in a text: count of each word, and lines in which a word marks a missing point."""
+    """Column of words in a table: counts of the words, and indices of lines in which a word marks a missing point."""
 
     place: int
     counts: Mapping[str, int]
@@ -94,7 +94,7 @@ def _may_mix_words_and_numbers(text: DecodedText, runs: Sequence[tuple[int, int]
 
 @dataclass
 class _TableWithTextColumns:
-    """Table in a text with columns of words next to columns of numbers, and the lines that words mark as missing."""
+    """Table in a text with both numeric columns and word columns, and the lines in which words mark missing points."""
 
     numeric_columns: set[int] = field(default_factory=set)
     lines: list[int] = field(default_factory=list)

@@ -43,7 +43,7 @@ _MAX_XML_DEPTH = 6
 
 
 def read_x3p(data: bytes) -> RawHeights:
-    """Read the heights of an X3P file, with positions or spacings.
+    """Read the heights of an X3P file, together with the positions or the spacings of the points.
 
     Lengths in the file are in metres.
     """
@@ -117,7 +117,7 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
 
 
 class _MainXml:
-    """Parsed main.xml of an X3P file: the text of each XML element by path, and the lines that list points."""
+    """Contents of main.xml in an X3P file: texts of the XML elements, keyed by path, and any points that it lists."""
 
     def __init__(self, archive: zipfile.ZipFile, directory: str) -> None:
         self.directory = directory
@@ -225,7 +225,7 @@ def _read_shape(root: _MainXml) -> tuple[int, int]:
 def _read_columns(
     archive: zipfile.ZipFile, root: _MainXml, stored: dict[str, str], points: int
 ) -> dict[str, NDArray[Any]]:
-    """Read the numbers that an X3P file stores for each point, as one array per axis, keyed by axis name."""
+    """Read the coordinates that an X3P file stores for its points, as one array per axis, keyed by the axis name."""
     if root.listed_points is not None:
         return _parse_listed_points(root.listed_points, list(stored), points)
     row_type = np.dtype(list(stored.items()))
