@@ -100,7 +100,7 @@ def with_interpolated_points(body: AnyBody, points: NDArray[np.bool_]) -> AnyBod
 
 
 def describe_missing_points(missing: NDArray[np.bool_], spacing: tuple[float, ...]) -> str:
-    """Describe missing points in the history of a body: their fraction, and size and position of the largest gap."""
+    """Return text for the history of a body: the fraction of missing points, and the largest gap with its position."""
     points, bounding_box = find_largest_gap(missing)
     region_ends = [
         f"{axis} {format_with_unit(extent.start * step, 'µm')} to {format_with_unit(extent.stop * step, 'µm')}"
@@ -166,14 +166,17 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
 
 
 def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[Floats]) -> Floats:
-    """Divide each of two deviations by its typical value; return the smaller ratio at each point, ignoring NaN."""
+    """Divide two deviations of the height at each point by their typical values, and return the smaller ratio.
+
+    A ratio that is NaN is ignored.
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.fmin(deviations[0] / typical_values[0], deviations[1] / typical_values[1])
 
 
 @dataclass(frozen=True, eq=False)
 class _NeighbourDeviations:
-    """Deviations of heights from neighbouring heights in a scan: median, and each deviation divided by the median.
+    """Deviations of heights from neighbouring heights in a scan: medians, and deviations divided by their median.
 
     Edge points have a different median than other points.
     """
@@ -182,9 +185,10 @@ class _NeighbourDeviations:
     relative_deviations: Floats
 
     def at_points(self, points: tuple[NDArray[np.intp], ...]) -> Floats:
-        """Return the typical deviation (µm) near given points: the larger of the local median and the scan's median.
+        """Return, at each given point, the typical deviation (µm) of heights from neighbouring heights.
 
-        A worn surface is smoother on plateaus than in valleys, so the median of the scan alone is not sufficient.
+        It is the larger of two medians: over a window around the point, and over the whole scan. A worn surface is
+        smoother on plateaus than in valleys, so the median of the scan alone is not sufficient.
         """
         width = _WINDOW_WIDTHS[self.relative_deviations.ndim]
         padded_values = np.pad(self.relative_deviations, width // 2, mode="symmetric")
@@ -238,10 +242,11 @@ def _find_neighbour_deviations(
 def _compute_deviations_from_neighbours(
     heights: Floats, remaining_heights: Floats
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return two deviations of each height (from neighbours' mean and from lines), and a mask of edge points.
+    """Return two measures of how far each height deviates from its neighbours, and a mask of edge points.
 
-    Deviations are NaN at points with too few measured neighbours. Maps are evaluated in strips of rows, whose
-    intermediate arrays fit into the cache.
+    The first measure compares a height with means of opposite neighbours, and the second with lines through two
+    neighbours on one side. Deviations are NaN at points with too few measured neighbours. Maps are evaluated in strips
+    of rows, whose intermediate arrays fit into the cache.
     """
     reach = 2 * max(map(max, _NEIGHBOUR_STEPS[heights.ndim]))
     padded_heights = np.pad(remaining_heights, reach, constant_values=np.nan)
@@ -259,7 +264,10 @@ def _compute_deviations_from_neighbours(
 def _compute_deviations_in_strip(
     heights: Floats, padded_heights: Floats, reach: int
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return the deviations of heights from neighbouring heights, for a strip of map rows or for a profile."""
+    """Return two deviations of each height from its neighbours, and a mask of edge points, for a strip of a scan.
+
+    A strip is a range of map rows, or a whole profile.
+    """
     neighbour_steps = _NEIGHBOUR_STEPS[heights.ndim]
 
     def shifted_heights(step: tuple[int, ...], multiple: int) -> Floats:
@@ -294,7 +302,7 @@ def _compute_deviations_in_strip(
 
 
 def _find_smallest(values: list[Floats], kept_count: int) -> list[Floats]:
-    """Return the `kept_count` smallest numbers among several arrays, in ascending order, at each point.
+    """Return, at each point, the `kept_count` smallest among the numbers of several arrays, in ascending order.
 
     NaN is replaced by infinity.
 

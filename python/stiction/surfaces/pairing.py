@@ -498,7 +498,10 @@ class IsotropicSurfacePairs(SquarePiecePairs):
 
 
 def to_joined_spectrum(scan: Profile | Surface | JoinedSpectrum) -> JoinedSpectrum:
-    """Return the isotropic spectrum of a scan at its reliable wavelengths; return a joined spectrum unchanged."""
+    """Return the isotropic spectrum of a scan, at the wavelengths that the scan resolves reliably.
+
+    A joined spectrum is returned unchanged.
+    """
     return scan if isinstance(scan, JoinedSpectrum) else joined_spectrum([scan], names=["one scan"])
 
 

@@ -137,7 +137,7 @@ def _compute_orthogonal_polynomials(points: int, degree: int) -> list[Floats]:
 
 
 def _subtract_fit(heights: Floats, basis: list[Floats], missing: NDArray[np.bool_] | None) -> Floats:
-    """Subtract the least-squares fit of orthogonal functions from heights.
+    """Subtract from heights the least-squares fit of given basis functions, which are orthogonal on the full grid.
 
     If only round-off remains, the result is zero.
     """
@@ -247,7 +247,7 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
 
 
 def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
-    """Return the index range (first, end) that remains after cropping along one axis, and a history entry."""
+    """Return the first and the exclusive end index of a crop along one axis, and an entry for the history."""
     extent = points * spacing
     start = validate_number("start", start, unit="µm")
     stop = extent if stop is None else validate_number("stop", stop, unit="µm")

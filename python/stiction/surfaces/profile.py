@@ -89,7 +89,10 @@ class Body(PlotReprMixin):
 
     @cached_property
     def height_step(self) -> float:
-        """Step (µm) to which the measured heights are rounded, or 0 without rounding (see `find_height_step`)."""
+        """Step (µm) between the discrete values to which the measured heights were rounded, or 0 without rounding.
+
+        See `find_height_step`.
+        """
         return find_height_step(self.heights_with_nan)
 
     def changed(self, heights: Floats, step: str, **others: Any) -> Self:
@@ -222,7 +225,7 @@ def select_from_mask(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.b
 
 
 def combine_missing_masks(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
-    """Return a mask of the points that are missing in one or both bodies, or None if no points are missing.
+    """Return a mask of the points that are missing in at least one of two bodies, or None if no point is missing.
 
     Raises a `ValueError` if no point is measured in both bodies.
     """
@@ -245,7 +248,7 @@ def reject_missing_points(body: Any, operation: str) -> None:
 def scale_profile(
     heights: Floats, spacing: float, amplitude: float, measure: AmplitudeMeasure, scaled_heights: Floats
 ) -> Profile:
-    """Scale the heights of a profile to an amplitude (µm), and return the scaled profile.
+    """Return a profile whose heights are scaled so that `measure`, such as "Rq", equals `amplitude` (µm).
 
     The array `scaled_heights` stores the scaled heights.
     """

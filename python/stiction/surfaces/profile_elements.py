@@ -1,4 +1,4 @@
-"""Profile elements of ISO 21920, each of which is a hill and a neighbouring dale about the mean line."""
+"""Profile elements of ISO 21920. An element is a hill above the mean line and a neighbouring dale below it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ DISCRIMINATION_FRACTION = 0.1
 
 
 def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, Floats]:
-    """Return the spacing (in points) and the height of each profile element about the mean line.
+    """Return the spacing (in points) and the height of each profile element, which is a hill and an adjacent dale.
 
     A hill is counted if it rises above a tenth of the peak height, and a dale if it falls below a tenth of the pit
     depth; both limits must be above 0. An element is a hill and the following dale, or a dale and the following hill.

@@ -34,7 +34,7 @@ _CORRELATION_PEAK_HALF_WIDTH_FRACTION = 0.05
 
 @dataclass(frozen=True)
 class Registration:
-    """Result of a registration: position of the upper face, slope correlation, and rms gap before and after.
+    """Result of a registration of two faces: shift and rotation of the upper face, slope correlation, and rms gaps.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
 
 
 def measure_fit(upper: Any, lower: Any) -> float:
-    """Return the largest correlation coefficient of the slopes of two facing bodies among all relative shifts.
+    """Return the largest correlation between the slopes of two facing bodies over all relative shifts.
 
     The correlation is 0 for periodic textures, which fit at several shifts, and for faces with few points.
     """
@@ -154,7 +154,7 @@ def correlate_facing_slopes(upper: Any, lower: Any) -> float:
 
 
 def find_best_fit(upper: Any, lower: Any) -> tuple[float, tuple[int, ...]]:
-    """Return the largest slope correlation of two faces, and the offset (in points) of the upper face at this fit."""
+    """Return the largest slope correlation of two faces, and the upper face's offset (in points) at this maximum."""
     correlations = _correlate_slopes(upper, lower)
     best_index = np.unravel_index(int(np.nanargmax(correlations)), correlations.shape)
     offset = tuple(
@@ -164,12 +164,15 @@ def find_best_fit(upper: Any, lower: Any) -> tuple[float, tuple[int, ...]]:
 
 
 def _to_signed_offset(index: int, count: int) -> int:
-    """Convert an index of a cyclic correlation to an offset; indices above `count`/2 stand for negative offsets."""
+    """Convert an index into a cyclic correlation array to an offset in points, which may be negative.
+
+    Indices above `count` / 2 correspond to negative offsets.
+    """
     return index - count if index > count // 2 else index
 
 
 def _choose_block_size(upper: Any, lower: Any) -> int:
-    """Return the block size (points per side) for `_coarsen_face`."""
+    """Return the number of points per side of the blocks that are averaged to coarsen two faces."""
     longest_side: int = max(*upper.heights.shape, *lower.heights.shape)
     return math.ceil(longest_side / _MAX_COARSE_POINTS[lower.heights.ndim])
 
@@ -190,9 +193,10 @@ def _coarsen_face(body: Any, factor: int) -> Any:
 
 
 def _correlate_slopes(upper: Any, lower: Any) -> Floats:
-    """Return the correlation of the slopes of two bodies at every offset, in the order of a Fourier transform.
+    """Return the correlation between the slopes of two bodies at every relative offset, as a cyclic array.
 
-    Offsets at which the faces overlap too little are NaN.
+    Negative offsets follow the positive offsets, as in a discrete Fourier transform. Offsets at which the faces overlap
+    too little are NaN.
     """
     import scipy.fft
 
@@ -271,7 +275,7 @@ def _convert_centre_shift_to_corner_offset(shift: tuple[float, ...], upper: Any,
 
 
 def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) -> _FacePosition:
-    """Convert a face position from coarse grids to the original grids, whose middles may lie elsewhere."""
+    """Convert a face position from coarse grids to the original grids, and correct for their different middles."""
     shift = tuple(
         distance + (upper_points % factor - lower_points % factor) / 2 * spacing
         for distance, upper_points, lower_points, spacing in zip(
@@ -282,7 +286,10 @@ def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) 
 
 
 def _find_grid_offset(upper: Any, lower: Any, position: _FacePosition) -> tuple[int, ...] | None:
-    """Return the whole-point offset that equals a position within `GRID_TOLERANCE`, or None."""
+    """Return the offset (in whole points) of the upper face at a position, or None if the position is off the grid.
+
+    Deviations of up to `GRID_TOLERANCE` points from the grid are ignored.
+    """
     steps = _convert_centre_shift_to_corner_offset(position.shift, upper, lower)
     move_of_ends = abs(position.rotation) * max(lower.heights.shape) / 2
     is_on_grid = all(abs(step - round(step)) + move_of_ends <= GRID_TOLERANCE for step in steps)
@@ -298,7 +305,7 @@ def _measure_distances(body: Any) -> list[Floats]:
 
 
 def _interpolate_rotated_face(upper: Any, distances: list[Floats], rotation: float) -> tuple[Floats, Any]:
-    """Interpolate the rotated upper face at distances (µm) from the middle of this face.
+    """Compute heights of the rotated upper face by interpolation, at given distances (µm) from the middle of the face.
 
     Returns the heights and a mask of missing points.
     """
@@ -314,7 +321,7 @@ def _interpolate_rotated_face(upper: Any, distances: list[Floats], rotation: flo
 
 
 def _interpolate_overlap(upper: Any, lower: Any, position: _FacePosition) -> tuple[Any, Any]:
-    """Return the overlap of two faces at a position as two bodies with heights at the points of the lower face.
+    """Return the overlapping parts of two faces, with the upper face interpolated at the points of the lower face.
 
     The overlap of maps is the largest rectangle within the rotated upper face, cut by the sides of the lower face.
     """
@@ -391,7 +398,10 @@ def _compute_gauss_newton_step(upper: Any, lower: Any, position: _FacePosition) 
 
 
 def _has_min_overlap(upper: Any, lower: Any, position: _FacePosition) -> bool:
-    """Return whether two bodies at a position overlap along each axis by at least `MIN_OVERLAP_FRACTION`."""
+    """Return whether, along each axis, two faces overlap by at least `MIN_OVERLAP_FRACTION` of the shorter face.
+
+    The overlap is that of the faces at the relative position `position`.
+    """
     return all(
         min(lower_points, step + upper_points) - max(0.0, step)
         >= MIN_OVERLAP_FRACTION * min(upper_points, lower_points)

@@ -262,9 +262,9 @@ def _are_identical(
 def _find_noise_cutoff(
     q: Floats, spectrum_of_mean_scan: Floats, noise: Floats, shortest: float, longest: float
 ) -> float:
-    """Return the shortest cutoff (µm) after which noise contributes little to the mean square slope, or NaN.
+    """Return the shortest low-pass cutoff (µm) that leaves little noise in the mean square slope, or NaN if none does.
 
-    The limit of this fraction is `MAX_NEGLIGIBLE_NOISE_FRACTION`.
+    The remaining noise contributes at most the fraction `MAX_NEGLIGIBLE_NOISE_FRACTION` of the mean square slope.
     """
     cutoff: float
     for cutoff in np.geomspace(shortest, longest, _NUM_TRIAL_CUTOFFS).tolist():
@@ -315,7 +315,10 @@ def _is_integer_shift(shift: Floats) -> bool:
 
 
 def _resample_at_shift(a: Floats, b: Floats, shift: Floats) -> tuple[Floats, Floats]:
-    """Return the heights of two shifted scans in their overlap, at the points of the first scan."""
+    """Return the heights of both scans in the area that they share, at the points of the first scan.
+
+    The second scan is interpolated if the shift is not a whole number of points.
+    """
     from scipy.ndimage import map_coordinates
 
     overlap, positions = _slice_overlap(a.shape, b.shape, shift)
@@ -330,7 +333,10 @@ def _compute_slopes_along_axes(heights: Floats) -> list[Floats]:
 
 
 def _find_integer_shift(a: Floats, b: Floats) -> Floats:
-    """Return the whole-point shift of largest correlation among all shifts at which more than half a scan overlaps."""
+    """Return the shift (in whole points) at which the correlation between two scans is largest.
+
+    At this shift, the overlap contains more than half the points of the smaller scan.
+    """
     from scipy.fft import irfftn, next_fast_len, rfftn
 
     shape = [next_fast_len(n + m, real=True) for n, m in zip(a.shape, b.shape, strict=True)]
@@ -340,7 +346,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
     )
 
     def sum_products(power_of_a: int, power_of_b: int) -> Floats:
-        """Return, for each shift, the sum of a^`power_of_a` · b^`power_of_b` over the overlap of the scans a and b."""
+        """Return the sum of a^`power_of_a` · b^`power_of_b` over the overlap of the heights a and b, at each shift."""
         return np.asarray(irfftn(transforms_of_a[power_of_a] * np.conj(transforms_of_b[power_of_b]), shape))
 
     count = np.maximum(np.rint(sum_products(0, 0)), 1)
@@ -359,7 +365,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
 def _slice_overlap(
     first_shape: tuple[int, ...], second_shape: tuple[int, ...], shift: Floats
 ) -> tuple[tuple[slice, ...], list[Floats]]:
-    """Return the overlap of two scans at a shift: slices of the first scan, fractional indices of the second."""
+    """Return the overlap of two shifted scans: slices of the first scan, fractional indices into the second scan."""
     selected_slices, positions = [], []
     for points, second_points, shift_along_axis in zip(first_shape, second_shape, shift.tolist(), strict=True):
         start = max(0, math.ceil(shift_along_axis) + (_OVERLAP_MARGIN_POINTS if shift_along_axis > 0 else 0))

@@ -119,7 +119,7 @@ def roughness_parameters(
 
 
 def height_and_slope_parameters(z: Floats, spacing: float, derivative: DerivativeFormula) -> dict[str, float]:
-    """Compute height and slope parameters of a profile, by key; the key "q", for example, is Pq, Rq or Wq."""
+    """Compute height and slope parameters of a profile, keyed by the letters after P, R or W, such as "q" for Pq."""
     scale = float(np.abs(z).max()) or 1.0
     # The heights are scaled, because their fourth power could overflow or underflow.
     scaled_heights = z / scale
@@ -320,7 +320,7 @@ def rms_gradient(surface: Surface, derivative: DerivativeFormula) -> float:
 
 
 def _compute_slopes_along_axis(heights: Floats, axis: int, derivative: DerivativeFormula) -> Floats:
-    """Compute the slopes of heights along an axis, as height difference per point."""
+    """Compute the slopes of heights along an axis, as the height change from one grid point to the next."""
     if derivative == "neighbours":
         return np.diff(heights, axis=axis)
     lines = heights if axis == 1 else heights.T

@@ -119,7 +119,7 @@ class ScaleDependentRoughness(TextReprMixin):
         return np.asarray(1 - np.square(self.gradient_at(wavelength) / self.gradient[-1]))
 
     def continued(self, wavelength: ArrayLike, estimate: HurstEstimate) -> Floats:
-        r"""Return the rms slope down to a wavelength (µm) that may be shorter than the scan resolves (extrapolated).
+        r"""Return the rms slope due to all wavelengths at or above each given wavelength (µm), extrapolated if needed.
 
         The power law of `estimate` adds the wavelengths that are too short for the scan.
 
@@ -186,7 +186,10 @@ def fitted_and_limiting_power_laws(estimate: HurstEstimate) -> tuple[HurstEstima
 
 
 def extrapolated_mean_square_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
-    """Return the mean square slope that an extrapolated power law adds between its band and a wavelength (µm)."""
+    """Return the mean square slope due to wavelengths below a fitted band, down to a given wavelength (µm).
+
+    The power law of the band is extrapolated to these wavelengths.
+    """
     exponent = 2 - 2 * estimate.value
     start, end = 2 * math.pi / estimate.shortest_wavelength, 2 * math.pi / np.asarray(wavelength)
     ratio = np.log(end / start)
@@ -291,7 +294,7 @@ def _interpolate_log_log(wavelength: Floats, values: Floats, target_wavelengths:
 
 @dataclass(frozen=True, repr=False)
 class InstrumentLimit(TableReprMixin):
-    """Wavelength below which a scan shows the instrument instead of the surface, and the reason for this limit.
+    """Wavelength below which pixels, noise or the tip make a scan unreliable, and the cause of this limit.
 
     Attributes
     ----------
@@ -351,7 +354,7 @@ class InstrumentLimit(TableReprMixin):
 
     @property
     def matters(self) -> bool:
-        """True if wavelengths below the limit contribute more than a tenth of the mean square slope of the scan."""
+        """True if the unreliable wavelengths contribute more than a tenth of the scan's mean square slope."""
         return self.slope_fraction > MAX_NEGLIGIBLE_NOISE_FRACTION
 
 
@@ -567,7 +570,7 @@ def _count_independent_lines(transform: NDArray[np.complex128], *, periodic: boo
 
 
 def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: list[float]) -> tuple[bool, float]:
-    """Compare the noise along x with the noise along y, if the spectrum of a map contains noise along any axis.
+    """Compare the noise of a map along x with its noise along y, if noise was found along at least one axis.
 
     White noise has the same variance along both axes, so its densities are proportional to the spacings.
 
@@ -651,7 +654,7 @@ def _find_noise_and_texture(
 
 
 def _falls_as_steeply_as_surface_spectra(q: Floats, density: Floats, wavelength_limit: float) -> bool:
-    """Return whether a spectrum with texture harmonics falls towards short wavelengths as steeply as surface spectra.
+    """Return whether the spectrum of a textured surface falls towards short wavelengths as steeply as without noise.
 
     Noise that matters exceeds the harmonics at short wavelengths, and flattens their spectrum too. Cusps of unequal
     depth raise only the density between the harmonics.
@@ -737,7 +740,10 @@ def _fit_line_slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, floa
 
 
 def _is_noise_floor(wavelengths: Floats, density: Floats, chance_variance: Floats, limit: float) -> bool:
-    """Return whether a spectrum has a noise floor: nearly flat below `limit` (µm), and flat in the last octave."""
+    """Return whether a spectrum has a nearly flat noise floor at wavelengths below `limit` (µm).
+
+    In the shortest octave, the floor must be flat.
+    """
     for max_wavelength, max_exponent in (
         (_PURE_NOISE_WAVELENGTH_FRACTION * limit, _MAX_FLOOR_EXPONENT),
         (2.01 * float(wavelengths[-1]), _MAX_FLAT_EXPONENT),
@@ -760,10 +766,9 @@ def _is_noise_floor(wavelengths: Floats, density: Floats, chance_variance: Float
 def _fit_window_exponents(
     x: Floats, y: Floats, chance_variance: Floats, octaves: float
 ) -> Iterator[tuple[int, int, float, float]]:
-    """Fit a power law to each window of a spectrum.
+    """Fit a power law to a spectrum in each window that is `octaves` octaves wide.
 
     Yields first bin, exclusive end, exponent and its standard deviation.
-
     """
     width = octaves * math.log(2)
     for first in range(x.size):
@@ -775,9 +780,9 @@ def _fit_window_exponents(
 def _find_flattening_bin(
     window_fits: list[tuple[int, int, float, float]], points: Floats, density: Floats, chance_variance: Floats
 ) -> int | None:
-    """Return the lowest-density bin of the first window in which a spectrum, after a fall, is too flat for roughness.
+    """Return the bin where a spectrum that falls at first becomes too flat to be the spectrum of roughness.
 
-    Returns None if there is no such window.
+    This is the bin of lowest density in the first window that is too flat. Returns None if there is no such window.
     """
     has_fallen = False
     for first_bin, end_bin, exponent, deviation in window_fits:
@@ -793,7 +798,7 @@ def _find_flattening_bin(
 
 
 def _find_bin_before_rise(points: Floats, density: Floats, chance_variance: Floats) -> int | None:
-    """Return the bin of the lowest density before the spectrum rises strongly towards short wavelengths.
+    """Return the bin of lowest density, from which a spectrum rises strongly towards shorter wavelengths.
 
     Returns None without a rise.
     """

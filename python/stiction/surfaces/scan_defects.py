@@ -94,7 +94,7 @@ class ScanDefects:
 
     @cached_property
     def num_spikes(self) -> int:
-        """Number of spikes: outliers that are sharp and isolated (profiles) or far from their neighbours (maps).
+        """Number of spikes in the scan. A spike is a sharp outlier, which must also be isolated in a profile.
 
         Cusps and edges of machined surfaces are sharp too, but usually not outliers. Narrow scratches can be outliers,
         but are not isolated.
@@ -130,9 +130,10 @@ class ScanDefects:
 
     @cached_property
     def hidden_noise(self) -> NoiseHiddenInSpectrum | None:
-        """White noise that the scan may contain although its spectrum shows no noise floor; None without such noise.
+        """White noise that the scan may contain although its spectrum shows no noise floor, or None.
 
-        Also None if visible noise already exceeds a tenth of the mean square slope, or if the scan is textured.
+        None if there is no such noise, if visible noise already exceeds a tenth of the mean square slope, or if the
+        scan is textured.
         """
         if self.instrument_limit.matters or self.textured:
             return None
@@ -140,9 +141,9 @@ class ScanDefects:
 
     @property
     def instrument_limit_with_tip(self) -> InstrumentLimit | None:
-        """Shortest wavelength at which the scan is reliable, limited by pixels, noise and tip; None without a tip.
+        """Shortest wavelength at which the scan is reliable, limited by pixels, noise and the tip.
 
-        Raises a `ValueError` if the body is flat.
+        None if no tip radius is given. Raises a `ValueError` if the body is flat.
         """
         return self._find_instrument_limit_with_tip(0.0)
 
@@ -164,7 +165,7 @@ class ScanDefects:
         return limit.slope_fraction * noise_transmission / transmission
 
     def find_tip_limit(self, cut_off: float) -> InstrumentLimit | None:
-        """Return the wavelength limit that the instrument's tip sets for a low-pass filtered scan, or None.
+        """Return the instrument limit of a low-pass filtered scan if the tip sets this limit, otherwise None.
 
         The filter has the cutoff `cut_off` (µm, 0 for no filter). Returns None if no tip radius is given, if pixels or
         noise set the limit, or if shorter wavelengths contribute at most 1 % of the mean square slope. Raises a
@@ -263,9 +264,10 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
 
 
 def _fit_strip_trend(mean_square_slopes: Floats, axis: int) -> tuple[float, float]:
-    """Fit a line to ln(rms slope) of strips along an axis, and return the end-to-end change and its variance.
+    """Return the change of ln(rms slope) from one end of a scan to the other along an axis, and its variance.
 
-    Both numbers are 0 if a strip has no measured points or no slope.
+    The change follows from a straight line that is fitted to the means of strips. Both numbers are 0 if a strip has no
+    measured points or no slope.
     """
     lines = np.moveaxis(mean_square_slopes, axis, 0)
     strip_means = np.array([float(np.nanmean(strip)) if np.isfinite(strip).any() else 0.0
@@ -287,7 +289,7 @@ def _measure_height_range(body: Profile | Surface) -> float:
 
 
 def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
-    """Return a mask of the points that deviate abruptly from neighbouring points.
+    """Return a mask of the points at which the height changes abruptly.
 
     Sharp points of a profile are next to a large second difference. Sharp points of a map are far from the median of
     the 3 x 3 points around them.
@@ -326,7 +328,7 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
     min_height = _MIN_SPIKE_TO_RMS_RATIO * float(levelled(profile, "line").heights.std())
 
     def measure_from_flanks(heights: Floats, group: slice) -> Floats:
-        """Return heights around a group of outliers, relative to a line between the points on both sides."""
+        """Return heights around a group of outliers, measured from the line between the ends of their range."""
         start, stop = max(group.start - _NUM_FLANK_POINTS, 0), min(group.stop + _NUM_FLANK_POINTS, outliers.size)
         baseline = np.linspace(remaining_heights[start], remaining_heights[stop - 1], stop - start)
         return heights[start:stop] - baseline

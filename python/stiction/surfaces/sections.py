@@ -31,7 +31,7 @@ _RDC_MATERIAL_RATIOS = 0.2, 0.8
 
 
 class SettingClass(NamedTuple):
-    """Setting class of ISO 21920: default filters and measuring settings (µm), and upper limits of Ra and RSm (µm)."""
+    """Setting class of ISO 21920: default filter cutoffs, tip radius and spacing, largest Ra and RSm (all in µm)."""
 
     name: str
     section_length: float
@@ -217,7 +217,7 @@ def section_parameters(
 def _compute_with_setting_class(
     profile: Profile, ls: float | None, sections: int, robust: bool, derivative: DerivativeFormula
 ) -> SectionParameters:
-    """Compute R- and W-parameters with the filters of the setting class to which the resulting Ra and RSm belong."""
+    """Compute R- and W-parameters with the setting class of ISO 21920 that matches the resulting Ra and RSm."""
     section_lengths = [setting.section_length for setting in SETTING_CLASSES]
     if section_lengths[0] > profile.extent * ROUND_OFF_FACTOR:
         raise SectionLengthError(_format_too_short_message(profile, section_lengths[0]))
@@ -232,7 +232,7 @@ def _compute_with_setting_class(
     results_by_class: dict[int, SectionParameters] = {}
 
     def find_matching_setting_class(index: int) -> int:
-        """Compute Ra and RSm with the setting class `index`; return the index of the class that suits Ra and RSm."""
+        """Compute Ra and RSm with the setting class `index`, and return the index of the class for these values."""
         if index not in results_by_class:
             lc = SETTING_CLASSES[index].section_length
             results_by_class[index] = _compute_with_cutoff(profile, lc, ls, sections, robust, derivative)
@@ -282,7 +282,7 @@ def _format_length(length: float) -> str:
 
 
 def _min_section_length(spacing: float) -> float:
-    """Return the shortest section length (µm) at a spacing (µm): seven points, for the slope formula."""
+    """Return the length (µm) of the shortest section: seven points at `spacing` (µm), as the slope formula requires."""
     return SEVEN_POINT_WEIGHTS.size * spacing
 
 

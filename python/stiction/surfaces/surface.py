@@ -164,9 +164,9 @@ def as_body(name: str, given: Any, *kinds: type[Body], spacing: Any = None, unit
 
 
 def as_bodies(upper: Any, lower: Any, *, spacing: Any = None, unit: str = "um") -> tuple[Any, Any]:
-    """Convert two arrays or bodies with `as_body`.
+    """Convert two arrays of heights to two profiles or two height maps with `as_body`.
 
-    Spacing and unit apply only to arrays.
+    Bodies are returned unchanged. Spacing and unit apply only to arrays.
     """
     if spacing is not None and isinstance(upper, Body) and isinstance(lower, Body):
         raise ValueError("spacing must be omitted, because upper and lower have their own spacings")

@@ -124,7 +124,10 @@ def _erode_by_tip(heights: Floats, spacing: Floats, radius: float) -> Floats:
 def _iterate_tip_offsets(
     shape: tuple[int, ...], spacing: Floats, radius: float, max_tip_height: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
-    """Yield, for each grid offset under the tip, slices of points and of their neighbours, and the tip's height."""
+    """Yield array slices for each offset between grid points under the tip, and the tip's height at this offset.
+
+    The first slices select the points, the second their neighbours at the offset.
+    """
     half_width, half_widths = _compute_tip_half_width(shape, spacing, radius, max_tip_height)
     for steps in np.ndindex(*(2 * max_steps + 1 for max_steps in half_widths)):
         offsets = np.subtract(steps, half_widths)
@@ -142,7 +145,10 @@ def _iterate_tip_offsets(
 def _compute_tip_half_width(
     shape: tuple[int, ...], spacing: Floats, radius: float, tip_height: float
 ) -> tuple[float, list[int]]:
-    """Return the half width of a spherical tip at a height above its lowest point: in µm, and in points per axis."""
+    """Return the half width of a spherical tip at a given height (µm) above its lowest point.
+
+    The half width is in µm and, for each axis, in points.
+    """
     half_width = math.sqrt(radius**2 - max(0.0, radius - tip_height) ** 2)
     return half_width, [
         min(int(half_width / step), points - 1) for step, points in zip(spacing.tolist(), shape, strict=True)
