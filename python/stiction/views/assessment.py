@@ -26,11 +26,12 @@ def assessment_paragraph(
     points: Sequence[PointSummary], max_lines: int | None = None, *, max_groups: int | None = None,
     complete_command: str = COMPLETE_OUTPUT_METHOD,
 ) -> Paragraph:  # fmt: skip
-    """Return the assessment of result points, the measurement that would help most, and the caveats with remedies.
+    """Return a paragraph on result points: their assessment, and their caveats with remedies.
 
-    Similar caveats of several points are grouped. At most `max_lines` lines of caveats are printed or, without
-    `max_lines`, at most `max_groups` groups. Faults come first and are always printed. `complete_command` names the
-    option, command or method that shows all caveats.
+    For a single point, the paragraph also names the measurement that would help most. Similar caveats of several points
+    are grouped. At most `max_lines` lines of caveats are printed or, without `max_lines`, at most `max_groups` groups.
+    Faults come first and are always printed. `complete_command` names the option, command or method that shows all
+    caveats.
     """
     if len({(point.assessment, point.caveats) for point in points}) == 1:
         caveat_lines, num_faults = [_caveat_line(caveat) for caveat in points[0].caveats], len(points[0].faults)
@@ -49,7 +50,10 @@ def assessment_paragraph(
 
 
 def _common_assessment_text(points: Sequence[PointSummary]) -> str:
-    """Return the common assessment of result points; for a single point, add the measurement that would help most."""
+    """Return the assessment that all given result points share.
+
+    For a single point, a sentence on the measurement that would help most follows.
+    """
     point = points[0]
     if point.is_unloaded:
         return f"{point.assessment} a coefficient"
@@ -73,7 +77,7 @@ def count_assessments_text(points: Sequence[PointSummary]) -> str:
 
 
 def _group_similar_caveats(points: Sequence[PointSummary]) -> list[list[Caveat]]:
-    """Group the caveats of result points that differ only in their numbers, with groups of faults first."""
+    """Group the caveats of all result points by severity and by text without numbers, with groups of faults first."""
     groups: dict[tuple[str, str], list[Caveat]] = {}
     for caveat in (caveat for point in points for caveat in point.caveats):
         groups.setdefault((caveat.severity, _CAVEAT_NUMBER_PATTERN.sub("", caveat.text)), []).append(caveat)
@@ -99,7 +103,7 @@ def _merge_caveats(group: Sequence[Caveat]) -> Caveat:
 
 
 def _number_with_unit(number: tuple[str, str]) -> float:
-    """Convert a number with a unit (two texts) to a number in the unit without prefix, as from kPa to Pa."""
+    """Return a number, given as two texts (number and unit), in the unit without prefix, such as Pa for kPa."""
     unit = number[1].strip()
     return float(number[0]) * (_PREFIX_FACTORS.get(unit[0], 1.0) if len(unit) > 1 and unit not in ("Pa", "m²") else 1.0)
 

@@ -77,7 +77,7 @@ class WantedPairPrediction:
 
 
 def predict_wanted_pair(interface: Interface, result: Evaluation) -> WantedPairPrediction:
-    """Predict the coefficients of a wanted pair, and the intervals after further tests."""
+    """Predict the coefficients of a requested pair, and their intervals after further friction tests."""
     loads = [float(load) for load in result.study.friction.load]
     points = tuple(
         (
@@ -95,7 +95,7 @@ def predict_wanted_pair(interface: Interface, result: Evaluation) -> WantedPairP
 def calibration_text(
     interface: Interface, pair_notes: Sequence[str] = (), prediction: WantedPairPrediction | None = None
 ) -> str:
-    """Return a calibration as text: mu0 + tau0 A/F, mu0 and tau0, junction growth, and the fit under each sliding rule.
+    """Return a calibration as text: mu0, tau0 and the sum mu0 + tau0 A/F, junction growth, and fits by sliding rule.
 
     `pair_notes` are paragraphs about the tested pairs, such as notes on their lay. `prediction` replaces the table of
     tests that would separate mu0 and tau0.
@@ -136,7 +136,7 @@ def calibration_text(
 
 
 def _plan_conditions_text(conditions: PlanConditions) -> str:
-    """Return a sentence on the error and the loads of the further tests that the table of plans lists."""
+    """Return text on the friction tests that a plan proposes: the error of each test, and the loads to choose."""
     reason = "the median of your tests" if conditions.is_error_known else "because the errors of your tests are unknown"
     low, high = conditions.ball_area_per_load
     error_text = f"has an error of {format_percent(conditions.relative_error)}, {reason}."
@@ -159,7 +159,7 @@ def _plan_conditions_text(conditions: PlanConditions) -> str:
 
 
 def _describe_prediction(interface: Interface, prediction: WantedPairPrediction) -> Iterator[str]:
-    """Yield the predicted coefficients, and a table of plans of further tests with the resulting intervals."""
+    """Yield lines of text: the predicted coefficients, and a table of the intervals that further tests would give."""
     rule, (load, first_coefficient) = SLIDING_RULE_DESCRIPTIONS[interface.fits[0].sliding], prediction.points[0]
     for text, limits in prediction.points:
         yield f"predicted at {text}: μ_s = {Estimate(*limits)}  {rule}"
@@ -174,7 +174,7 @@ def _describe_prediction(interface: Interface, prediction: WantedPairPrediction)
 
 
 def list_pair_caveats(interface: Interface) -> list[str]:
-    """Return the faults of tested pairs, because of which no coefficient with the interface may be quoted."""
+    """Return a caveat for each fault of a tested pair that prevents quoting coefficients of the interface."""
     return [f"! {place}, do not quote: {fault}" for place, fault in interface.pair_faults]
 
 
@@ -222,10 +222,11 @@ def _describe_unseparated_mu0_tau0(interface: Interface) -> Iterator[str]:
 
 
 def _find_ends_of_strengths(interface: Interface) -> tuple[tuple[str, str], tuple[str, str]]:
-    """Return mu0 and tau0 as text at both ends of the range that the tests allow: lowest tau0, then lowest mu0.
+    """Return the two extreme pairs of mu0 and tau0 that the tests allow, as text.
 
-    The samples at an end have tau0 = 0 or mu0 = 0. If the tests exclude this value, the samples are the 5 % with the
-    lowest tau0 or mu0, whose median is the lower limit of an interval with 95 % of all samples.
+    The first pair has the lowest tau0, and the second the lowest mu0. The samples at an end have tau0 = 0 or mu0 = 0.
+    If the tests exclude this value, the samples are the 5 % with the lowest tau0 or mu0, whose median is the lower
+    limit of an interval with 95 % of all samples.
     """
     fit = interface.fits[0]
 
@@ -285,7 +286,10 @@ def _describe_fit(interface: Interface, fit: StrengthFit) -> Iterator[str]:
 def calibration_json(
     interface: Interface, lays: Sequence[str] = (), prediction: WantedPairPrediction | None = None
 ) -> str:
-    """Return a calibration as JSON. `lays` are the notes of `list_lay_notes` on the tested pairs."""
+    """Return a calibration as JSON.
+
+    `lays` are the notes of `list_lay_notes` on the tested pairs.
+    """
     separate_status = "ok" if interface.separated else "not separated"
     coordinates = {"area_per_load_per_GPa": interface.tested_area_per_load[0]}
     estimate_records = [
@@ -324,7 +328,10 @@ def calibration_json(
 
 
 def _build_plan_conditions(conditions: PlanConditions) -> dict[str, Any]:
-    """Return number, relative error, A/F (1/GPa) and yield limit (GPa) of a ball in all plans as JSON fields."""
+    """Return the conditions of the planned friction tests as JSON fields.
+
+    The fields are the number and the relative error of the tests, and A/F (1/GPa) and the yield limit (GPa) of a ball.
+    """
     return {
         "tests": conditions.num_tests, "relative_error": conditions.relative_error,
         "is_error_known": conditions.is_error_known, "ball_area_per_load_per_GPa": list(conditions.ball_area_per_load),

@@ -42,7 +42,10 @@ _JSON_UNIT_EXCEPTIONS = {"": "1"}
 
 
 class TableRow(NamedTuple):
-    """Row of a characterisation table: label, text (or two texts, for x and y), and numbers for JSON and CSV."""
+    """Row of a characterisation table: a label, the printed texts, and the numbers that JSON and CSV contain.
+
+    Rows on the lines of a surface have two texts, for x and for y.
+    """
 
     label: str
     texts: tuple[str, ...]
@@ -300,7 +303,7 @@ class CharacterisationTable:
         return rows
 
     def _density_ratio_at_longest_wavelength(self, longest: float) -> float:
-        """Return the mean spectral density near the wavelength `longest` (µm), relative to that at longer wavelengths.
+        """Return the ratio of the spectral density near the wavelength `longest` (µm) to that at longer wavelengths.
 
         The ratio is 0 if the spectrum has too few longer wavelengths.
         """

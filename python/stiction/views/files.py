@@ -35,13 +35,19 @@ OUTPUT_FILE_SIGNATURES = {
 
 
 def check_all_replaceable(directory: Path, file_marks: Mapping[str, bytes]) -> None:
-    """Raise a `ValueError` if a file to be replaced exists without the mark that stiction writes to its files."""
+    """Raise a `ValueError` if a file that would be replaced exists, but was not written by stiction.
+
+    Files of stiction contain the mark that `file_marks` lists for their name.
+    """
     for name, file_mark in file_marks.items():
         check_replaceable(directory / name, file_mark, ValueError)
 
 
 def replace_text_file(path: Path, text: str, file_mark: bytes) -> None:
-    """Write a text file; raise a `ValueError` if the file exists and does not contain `file_mark`."""
+    """Write a text file, which replaces an existing file only if this file contains `file_mark`.
+
+    Raises a `ValueError` if the existing file lacks the mark.
+    """
     with replace_file_atomically(path, file_mark, ValueError) as partial_path:
         partial_path.write_text(text, encoding="utf-8")
 
@@ -53,12 +59,12 @@ def write_new_text_file(path: Path, text: str) -> None:
 
 
 def summary_csv(summary: Summary) -> str:
-    """Return friction and other quantities of a summary as CSV."""
+    """Return the summary of a result as CSV, with columns for friction and for the other quantities."""
     return frame_to_csv(summary_table(summary))
 
 
 def result_csv(result: Evaluation) -> str:
-    """Return friction and other quantities of a result at the loads of its study as CSV."""
+    """Return a result at the loads of its study as CSV, with columns for friction and for the other quantities."""
     return summary_csv(result.complete_summary())
 
 
@@ -154,7 +160,7 @@ def is_card(path: Path) -> bool:
 
 
 def check_file_extension(path: Path, descriptions: Mapping[str, str]) -> None:
-    """Raise a `ValueError` if the extension of a file name is not a key of `descriptions`."""
+    """Raise a `ValueError` if a file name does not end in one of the extensions that `descriptions` explains."""
     if path.suffix.lower() not in descriptions:
         allowed_extensions = " or ".join(f"{extension} ({text})" for extension, text in descriptions.items())
         raise ValueError(f"{printable_path(path)}: the file name must end in {allowed_extensions}")

@@ -76,7 +76,7 @@ def _format_law_table(law_table: xarray.Dataset, columns_by_name: tuple[str, ...
 
 
 def friction_table_text(table: xarray.Dataset, rules: Sequence[str] = SLIDING_RULE_ORDER) -> str:
-    """Return a friction table as text: fitted laws and range of friction under each sliding rule, by roughness."""
+    """Return a friction table as text. Each row lists the fitted laws and the range of friction for one roughness."""
     pressure_range = " to ".join(format_with_unit(float(table["pressure"][i]), "GPa") for i in (0, -1))
     laws_text = "A/A0 = a p and k/A0 = b p^c with p in GPa; 95 % intervals over the repetitions"
     lines = [wrap_text(f"Pressures of {pressure_range}; {laws_text}"), ""]
@@ -105,7 +105,7 @@ def friction_table_text(table: xarray.Dataset, rules: Sequence[str] = SLIDING_RU
 
 
 def table_assessment_text(table: xarray.Dataset, summary: Summary) -> str:
-    """Return how many coefficients of a table have each assessment, and the most frequent remedies, as text.
+    """Return text on the coefficients in a table: how many have each assessment, and the most frequent remedies.
 
     `summary` contains the caveats about the coefficients in the table. The text is empty if every coefficient may be
     quoted.

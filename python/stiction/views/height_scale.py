@@ -1,4 +1,4 @@
-"""Friction and true contact area for scaled heights, as text and JSON."""
+"""Friction and true contact area of a pair whose heights are multiplied by a factor, as text and JSON."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ HEIGHT_SCALE_NOTE = (
 
 
 def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
-    """Return friction for scaled heights as text: tables with one row per height factor."""
+    """Return friction of a pair with scaled heights as text: tables with one row per factor of the heights."""
     scaled_surfaces = NAMES_OF_SCALED_SURFACES[dataset.attrs["scaled"]]
     lines = [
         wrap_text(
@@ -104,7 +104,7 @@ def _height_factor_row(point: xarray.Dataset, rules: list[str], study: Study) ->
 
 
 def height_scale_json(dataset: xarray.Dataset, study: Study) -> str:
-    """Return friction for scaled heights as JSON."""
+    """Return friction of a pair whose heights are multiplied by several factors, as JSON."""
     fields = {"kind": "pair", "scaled": dataset.attrs["scaled"], "solved": dataset.attrs["solved"].tolist()}
     fields |= {name: float(dataset[name]) for name in ("effective_modulus", "nominal_area") if name in dataset.coords}
     frame = rows.values_frame(sort_sliding_rules(dataset, study))

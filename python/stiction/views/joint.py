@@ -49,7 +49,7 @@ MODEL_ERRORS = [
 
 
 def closure_start_title(start_pressure: Estimate) -> str:
-    """Return the title of the column with the pressure from which closures are counted."""
+    """Return the title of the table column that contains the pressure at which closure is counted as zero."""
     return estimate_column_titles("closure counted from", start_pressure.unit)["value"]
 
 
@@ -80,7 +80,10 @@ def joint_frame(table: JointTable) -> pandas.DataFrame:
 
 
 def joint_csv(table: JointTable, source: str) -> str:
-    """Return the rows of a joint table as CSV, without the notes and without `source`, which describes the pair."""
+    """Return the rows of a joint table as CSV, without the notes of the table.
+
+    `source`, a description of the pair, is not used.
+    """
     del source
     return frame_to_csv(joint_frame(table))
 
@@ -213,7 +216,7 @@ def liggghts_card(table: JointTable, source: str) -> str:
 
 
 def _list_curve(table: JointTable) -> list[tuple[Estimate, Estimate]]:
-    """Return the points (pressure, closure) of a card's curve, except the origin.
+    """Return the closure curve for an input card, as pairs (pressure, closure) without the origin.
 
     Other programs require increasing closures. If the closure is counted from a pressure, a straight line leads from
     the origin to this pressure, so that the curve has no soft start. The closures of the curve then exceed those of the
@@ -234,7 +237,7 @@ def _list_curve(table: JointTable) -> list[tuple[Estimate, Estimate]]:
 
 
 def _find_start_closure(table: JointTable) -> float:
-    """Return the closure at the end of the straight line with which a card's curve begins, or 0 without a line.
+    """Return the closure at the end of the initial straight line in an input card's curve, or 0 without a line.
 
     The line has the stiffness of closure at this pressure. The closure is 0 for closures since first contact.
     """
@@ -255,7 +258,10 @@ def _describe_curve_start(table: JointTable) -> str:
 
 
 def _format_value(estimate: Estimate) -> str:
-    """Return an estimate as text for a card, with more digits for pressures and closures."""
+    """Return the value of an estimate as text for an input card.
+
+    Pressures and closures have more digits than other quantities.
+    """
     digits = CURVE_DIGITS if estimate.name in ("nominal_pressure", "closure") else MAX_SIGNIFICANT_DIGITS
     return f"{estimate.value:.{digits}g}"
 
@@ -272,7 +278,10 @@ def _format_comment(text: str, prefix: str) -> list[str]:
 
 
 def _describe_source(table: JointTable, source: str, prefix: str, omitted: Collection[str] = ()) -> list[str]:
-    """Return comment lines for an input card: version, pair, units and notes of the joint table except `omitted`."""
+    """Return comment lines for the head of an input card: version, units, notes of the joint table, and pair.
+
+    Notes in `omitted` are left out.
+    """
     units = table.units
     comment_texts = [
         f"Contact properties of a joint, computed with stiction {__version__}.",

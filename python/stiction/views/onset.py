@@ -77,7 +77,10 @@ def onset_note(onset: OnsetSummary, study: Study) -> str:
 
 
 def _law_text(study: Study) -> str:
-    """Return a sentence on the Hertzian stiffness of the onset if the study has another contact law, or else ""."""
+    """Return a sentence on the stiffness in the onset computation if the contact law is not Hertzian, or "".
+
+    This stiffness is that of elastic Hertzian contacts under every contact law.
+    """
     contact: Any = study.contact
     if study.uses_half_space:
         return ""
@@ -99,7 +102,7 @@ def onset_paragraph(onset: OnsetSummary, study: Study, *, verbose: bool) -> Para
 
 
 def onset_record(onset: OnsetSummary) -> dict[str, Any]:
-    """Return the load-displacement curve (mN, µm) and the models fitted to it as JSON."""
+    """Return the onset of sliding as JSON fields, with the load-displacement curve (mN, µm) and the fitted models."""
     curve_names = ("tangential_load", "displacement", "slipped_area", "slipped_load", "energy_lost")
     characteristic_names = ("sliding_load", "displacement_at_sliding", "stiffness", "unloading_stiffness")
     return {

@@ -57,7 +57,10 @@ MAX_OVERVIEW_ROWS = 40
 
 
 def _select_overview_points(points: Sequence[PointSummary]) -> Sequence[PointSummary]:
-    """Return all result points or, if there are many, only those at the middle mu0 and at the extreme tau0."""
+    """Return the result points that the overview lists: all points, or a selection if there are many.
+
+    The selection has the middle mu0, and the lowest and the highest tau0.
+    """
     names = ("mu0", "tau0", *(name for name in CELL_DIMENSIONS if name in points[0].at))
     if len({tuple(point.at[name] for name in names) for point in points}) <= MAX_OVERVIEW_ROWS:
         return points

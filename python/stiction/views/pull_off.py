@@ -47,6 +47,6 @@ def pull_off_record(estimate: PullOffValues) -> dict[str, Any]:
 
 
 def _text_with_unit(estimate: Estimate) -> str:
-    """Return an estimate with its interval as text, in the prefixed unit that suits the size of its value."""
+    """Return an estimate and its interval as text, with a unit prefix that suits the size of the estimate."""
     scaled_estimate = estimate.in_prefixed_unit()
     return "none" if math.isnan(estimate.value) else f"{scaled_estimate.text()} {scaled_estimate.unit}"

@@ -68,7 +68,7 @@ def quantities_paragraph(points: Sequence[PointSummary], *, verbose: bool = Fals
 
 
 def _select_rows(points: Sequence[PointSummary], *, verbose: bool, is_sentence: bool) -> Iterator[QuantityRow]:
-    """Yield one row for each quantity to print, with the estimates at all result points."""
+    """Yield one table row per printed quantity, with the estimates of this quantity at all result points."""
     first_point = points[0]
     has_pull_off_bound = first_point.pull_off is not None and first_point.pull_off.is_bound
     for name in _list_printed_quantities(first_point, verbose=verbose, is_sentence=is_sentence):
@@ -91,7 +91,10 @@ def _select_rows(points: Sequence[PointSummary], *, verbose: bool, is_sentence: 
 
 
 def _list_printed_quantities(point: PointSummary, *, verbose: bool, is_sentence: bool) -> list[str]:
-    """Return the names of the quantities that are printed for a result point, in the order of `QUANTITIES`."""
+    """Return the names of the quantities to print for a result point.
+
+    The additional quantities for `verbose` come last.
+    """
     has_area_fraction = "contact_area_fraction" in point.quantities and not math.isnan(point.nominal_pressure)
     is_hidden = {
         # The sentence leaves out the mean pressure, which follows from load and area.
@@ -113,7 +116,7 @@ def percent_text(fraction: float) -> str:
 
 
 def _find_quantile(point: PointSummary, name: str, fraction: float) -> Estimate:
-    """Return the stored quantile of a distribution whose probability is closest to `fraction`."""
+    """Return the quantile of a distribution at the stored probability that is closest to `fraction`."""
     quantiles = point.distributions[name]
     return quantiles[min(quantiles, key=lambda fraction_below: abs(fraction_below - fraction))]
 
@@ -152,6 +155,6 @@ def _format_row(row: QuantityRow, *, is_sentence: bool) -> list[str]:
 
 
 def _wrap_headings(headings: Sequence[str]) -> TextRows:
-    """Wrap column headings into several rows, so that columns are only as wide as their numbers."""
+    """Wrap column headings into lines of at most `MAX_HEADING_WIDTH` characters, so that columns stay narrow."""
     lines = [textwrap.wrap(heading, MAX_HEADING_WIDTH, break_long_words=False) for heading in headings]
     return list(itertools.zip_longest(*lines, fillvalue=""))

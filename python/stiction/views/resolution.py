@@ -19,7 +19,10 @@ if TYPE_CHECKING:
 
 
 def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None, study: Study) -> list[Paragraph]:
-    """Return paragraphs on resolved wavelengths, friction at cutoffs and, without a hardness, the onset of yield."""
+    """Return paragraphs on resolved wavelengths, friction at each cutoff, and wavelengths below which contacts yield.
+
+    The last paragraph is returned only if no hardness is given.
+    """
     paragraphs: list[Paragraph] = []
     scan = resolution.roughness
     if scan is not None:
@@ -36,7 +39,7 @@ def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None, 
 
 
 def resolved_wavelengths_text(scan: ResolvedRoughness) -> str:
-    """Return a sentence on the resolved wavelengths, and on the mean square slope from the shortest octave."""
+    """Return a sentence on the resolved wavelengths, with the fraction of mean square slope in the shortest octave."""
     fraction = format_percent(scan.shortest_octave_fraction)
     return (
         f"Wavelengths from {format_with_unit(scan.shortest, 'um')} to {format_with_unit(scan.longest, 'um')}; "
@@ -49,7 +52,7 @@ def resolved_wavelengths_text(scan: ResolvedRoughness) -> str:
 
 
 def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> TextRows:
-    """Return the rows of a table of friction at each cutoff, for the study's first load, mu0 and tau0.
+    """Return table rows of friction at each cutoff wavelength, for the study's first load, first mu0 and first tau0.
 
     The last row is the plastic limit if there is a hardness (GPa).
     """
@@ -82,7 +85,7 @@ def _coefficient_text(value: float) -> str:
 
 
 def cut_off_note(resolution: ResolutionEffect, study: Study) -> str:
-    """Return the note on the table of friction at cutoffs: averaged surface pairs, and meaning of the plastic limit."""
+    """Return the note on the table of friction at cutoffs: number of surface pairs, meaning of the plastic limit."""
     count_text = study.member_names.with_count(resolution.members)
     text = f"The surfaces are low-pass filtered at the cutoff; means over {count_text}."
     if resolution.plastic_limit is not None:
@@ -126,7 +129,10 @@ ELASTIC_RESULT_CAVEAT = (
 
 
 def resolution_record(resolution: ResolutionEffect) -> dict[str, Any]:
-    """Return resolved wavelengths, friction at cutoffs and, without a hardness, the onset of yield as JSON fields."""
+    """Return the effect of scan resolution as JSON fields: wavelengths, friction at each cutoff, and onset of yield.
+
+    The onset of yield is included only if no hardness is given.
+    """
     record: dict[str, Any] = {}
     if (scan := resolution.roughness) is not None:
         record["wavelengths"] = {

@@ -75,7 +75,7 @@ _DIRECTION_LABEL_FORMATTERS = {"axis": "along {:g}".format, "direction": "{:g}".
 
 
 def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
-    """Return a data frame with one row per number in a dataset: name, value, interval, status and coordinates.
+    """Return a data frame with one row per number in a dataset, with name, interval, status and coordinates.
 
     Parameters
     ----------
@@ -110,9 +110,10 @@ def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
 
 
 def _quantity_columns(dataset: xarray.Dataset, name: str) -> dict[str, Any]:
-    """Return the data-frame columns of a quantity by name; a single entry instead of an array holds for all rows.
+    """Return a dictionary of the data-frame columns of a quantity.
 
-    The columns are created from NumPy arrays, because xarray datasets are ten times slower.
+    A column with the same entry in all rows is given by this entry instead of an array. The columns are created from
+    NumPy arrays, because xarray datasets are ten times slower.
     """
     table = dataset.variables[name]
     dims = [str(dim) for dim in table.dims if dim != "statistic"]
@@ -214,7 +215,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
 def _merge_quantities(
     table: pandas.DataFrame, dataset: xarray.Dataset, study: Study, keys: Sequence[str]
 ) -> pandas.DataFrame:
-    """Add the columns of each quantity in a CSV file (number and interval limits) to a table of coefficients.
+    """Add the columns of all quantities in a CSV file, with their interval limits, to a table of coefficients.
 
     `keys` are the columns that identify the rows of a quantity, if the quantity depends on them. Quantities with the
     same rows are added in one step, because each step takes several milliseconds.
@@ -243,7 +244,10 @@ def _merge_quantities(
 
 
 def _csv_quantities(dataset: xarray.Dataset) -> list[str]:
-    """Return the names of the quantities in a CSV file; quantities that depend on the direction are left out."""
+    """Return the names of the quantities that a CSV file contains.
+
+    Quantities that depend on the direction are left out.
+    """
     return [
         name
         for name in quantity_names_shown_in("csv")
@@ -252,7 +256,7 @@ def _csv_quantities(dataset: xarray.Dataset) -> list[str]:
 
 
 def _build_coefficient_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return columns, keyed by title, of the coefficient after each dwell time and of the roughness contribution.
+    """Return columns, keyed by title: the friction coefficient after each dwell time, and the roughness contribution.
 
     Each column has one number per result point and sliding rule, which is NaN for all rules except the reported rule.
     """
@@ -296,12 +300,18 @@ def _assessment_table(
 
 
 def _list_assumptions_in_file(point: PointSummary) -> list[str]:
-    """Return the assumptions of a result point, with a note if mu0 and tau0 in the file are not known separately."""
+    """Return the assumptions at a result point for an output file.
+
+    If mu0 and tau0 are not known separately, a note on them is added.
+    """
     return [*list_assumptions(point.study), *filter(None, [strength_note(point)])]
 
 
 def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return columns with the longest cutoff (µm) of each body; no columns if both bodies have equal cutoffs."""
+    """Return columns with the longest cutoff (µm) of the upper body and of the lower body.
+
+    Returns no columns if both bodies have equal cutoffs at every result point.
+    """
     cutoffs = [tuple(map(max, point.cutoffs)) if point.cutoffs is not None else (0.0, 0.0) for point in points]
     if all(upper == lower for upper, lower in cutoffs):
         return {}

@@ -248,7 +248,10 @@ def repeated_scans_record(comparison: RepeatedScans, caveats: Sequence[Caveat] =
 
 
 def octave_noise_csv(comparison: RepeatedScans) -> str:
-    """Return the noise of two scans in each octave as CSV, below a sentence on the noise of the averaged scan."""
+    """Return the comparison of two scans as CSV: noise and common roughness in each octave of wavelength.
+
+    A comment in the first line describes the noise of the averaged scan.
+    """
     import pandas
 
     columns = {

@@ -113,7 +113,7 @@ def covered_inputs_text(point: PointSummary) -> str:
 
 
 def point_assessment_text(point: PointSummary) -> str:
-    """Return the assessment of a result point, its caveats and, for stored results, the version of stiction."""
+    """Return text on a result point: assessment, caveats and, if known, the version of stiction that computed it."""
     caveats = "; ".join(caveat.text for caveat in point.caveats)
     text = f"assessment: {point.assessment}" + (f" ({caveats})" if caveats else "")
     version = point.values.attrs.get("stiction_version")
@@ -134,10 +134,10 @@ def roughness_contribution_text(point: PointSummary) -> str:
 
 
 def inputs_text(point: PointSummary, points: Sequence[PointSummary] = ()) -> str:
-    """Return the inputs at a result point as text: load, roughness, mu0, tau0, materials and resolution.
+    """Return the inputs of a result point as text, such as load, roughness, mu0, tau0, materials and resolution.
 
-    If the tests of an interface determine only the sum mu0 + tau0 A/F, the text contains this sum instead of the two.
-    If `points` is given, the text contains the range of the contact hardness over these points.
+    If the tests of an interface determine only the sum mu0 + tau0 A/F, the text contains this sum instead of mu0 and
+    tau0. If `points` is given, the text contains the range of the contact hardness over these points.
     """
     study, items = point.study, [point_load_text(point)]
     if "fractal_dimension" in point.at:
@@ -184,7 +184,7 @@ def junction_growth_text(growth: UncertainInput) -> str:
 
 
 def contact_hardness_text(points: Sequence[PointSummary], indent: float) -> str:
-    """Return a phrase on the hardness in the contacts, and on the depth `indent` (µm) at which hardness was measured.
+    """Return a phrase with the depth `indent` (µm) at which hardness was measured, and the hardness in the contacts.
 
     The hardness increases with decreasing load. For several result points, the text has the range of the hardness, and
     the interval encloses the intervals of all points.
@@ -237,7 +237,7 @@ def _interface_text(point: PointSummary) -> str:
 
 
 def strength_note(point: PointSummary) -> str:
-    """Return a note on mu0 and tau0 if tests determine only their combination, or "" if both are known separately.
+    """Return a note if the tests determine only a combination of mu0 and tau0, or "" if both are known separately.
 
     The note is for files with numbers for mu0 and tau0, which are then one of many possible pairs.
     """
@@ -249,7 +249,10 @@ def strength_note(point: PointSummary) -> str:
 
 
 def possible_zeros_text(interface: InterfaceStrength, conjunction: str) -> str:
-    """Return as text which of μ0 and τ0 can be 0 according to the tests: "μ0 = 0", "τ0 = 0", both, or ""."""
+    """Return text that lists which of μ0 and τ0 may be zero according to the tests, such as "μ0 = 0".
+
+    The text is empty if neither may be zero.
+    """
     symbols = {"mu0": "μ0", "tau0": "τ0"}
     return conjunction.join(f"{symbols[name]} = 0" for name in interface.possible_zeros)
 
@@ -358,7 +361,10 @@ def list_assumptions(study: Study) -> tuple[str, ...]:
 
 
 def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
-    """Return all assumptions at a result point, for the sentence to quote."""
+    """Return the assumptions that the sentence to quote lists for a result point.
+
+    There are none for generated surfaces.
+    """
     study = point.study
     if not study.is_measured:
         return ()
@@ -426,7 +432,7 @@ def point_detail_sentences(point: PointSummary) -> list[str]:
 
 
 def _are_finer_scans_relevant(point: PointSummary) -> bool:
-    """Return whether finer scans could change friction noticeably, compared with the width of the interval."""
+    """Return whether finer scans may change friction noticeably, compared with the width of friction's interval."""
     if point.bracket is None:
         return False
     width = max((rule.upper - rule.lower for rule in point.rules if rule.rule == "all"), default=math.nan)
@@ -434,7 +440,7 @@ def _are_finer_scans_relevant(point: PointSummary) -> bool:
 
 
 def roughness_text(point: PointSummary) -> str:
-    """Return a sentence on the contribution of roughness to friction, and on the inputs that give the rest.
+    """Return a sentence on the contributions of roughness and of the other inputs to friction.
 
     The text is empty if the contribution is unknown.
     """

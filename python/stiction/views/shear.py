@@ -90,7 +90,7 @@ def curve_estimate(test: xarray.Dataset, name: str, index: int) -> Estimate:
 
 
 def _read_variable(test: xarray.Dataset, name: str, dimension: str, index: int) -> Estimate:
-    """Return one value of a variable of a shear test, as an estimate with its interval."""
+    """Return one element of a variable in the dataset of a shear test, as an estimate with its interval."""
     value, limits = float(test[name][index]), [math.nan, math.nan]
     if f"{name}_interval" in test:
         limits = test[f"{name}_interval"].isel({dimension: index}).values.tolist()
@@ -245,7 +245,7 @@ _INTERVAL_LABELS = {
 
 
 def _list_interval_caveats(test: xarray.Dataset) -> list[str]:
-    """Return at most one caveat, on intervals that are open or missing because a contact has no finite solution."""
+    """Return a list with a caveat if intervals are open or missing because the contact has no finite solution."""
     open_texts = []
     for name, (label, points) in _INTERVAL_LABELS.items():
         if f"{name}_interval" not in test:
@@ -265,7 +265,7 @@ def _list_interval_caveats(test: xarray.Dataset) -> list[str]:
 
 
 def _list_fit_caveats(attributes: Mapping[Any, Any]) -> list[str]:
-    """Return a list with one caveat if the faces fit poorly, or if the gap is larger than noise can explain."""
+    """Return a list with one caveat if two faces fit poorly, or if the gap between them is too large to be noise."""
     correlation, is_registered = float(attributes["fit_correlation"]), "registration_rms_gap_um" in attributes
     if correlation < MIN_FIT_CORRELATION:
         if not is_registered:
@@ -334,7 +334,7 @@ def headline_lines(test: xarray.Dataset) -> list[str]:
 
 
 def _find_shear_strength(test: xarray.Dataset) -> int:
-    """Return the displacement index of the largest shear stress, which is the shear strength.
+    """Return the index of the displacement at which the shear stress is largest; this stress is the shear strength.
 
     At a variable normal stress, the friction coefficient may be largest at another displacement.
     """
@@ -406,7 +406,10 @@ def _registration_text(attributes: Mapping[Any, Any]) -> str:
 
 
 def _select_rows(test: xarray.Dataset, *, verbose: bool) -> list[int]:
-    """Return the indices of the displacements to print: all or, if there are many, evenly spaced ones and the peak."""
+    """Return the indices of the displacements to print.
+
+    If there are many, evenly spaced displacements and the peak are selected, unless `verbose` is true.
+    """
     count = test.sizes["displacement"]
     if count <= MAX_PRINTED_DISPLACEMENTS or verbose:
         return list(range(count))

@@ -128,7 +128,7 @@ def _models_with_key(
     section_classes: Sequence[type[values.SettingsSection]],
     base_classes: Sequence[type[values.SettingsSectionVariant]],
 ) -> list[str]:
-    """Return descriptions of the sections in which a key is allowed: one phrase per class of section.
+    """Return one phrase per kind of section in which a key of a study file is allowed.
 
     If all subclasses of a base class have the key, the description of the base class replaces their descriptions.
     """

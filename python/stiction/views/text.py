@@ -158,7 +158,7 @@ def main_values_text(
 
 
 def combined_intervals_note(point: PointSummary) -> str:
-    """Return a note, printed above tables of quantities, on which intervals include the uncertain inputs."""
+    """Return a note on the intervals in tables of quantities: which of them include the uncertainty of the inputs."""
     if "friction_combined" not in point.values:
         return "Intervals in the following tables are 95 % intervals of the mean for exact inputs."
     alternatives = " and alternative preparations of the scans" if point.values.attrs.get("alternatives") else ""
@@ -301,7 +301,7 @@ def _select_printed_points(points: Sequence[PointSummary]) -> Sequence[PointSumm
 
 
 def _select_points_of_first_cell(points: Sequence[PointSummary], loads: Collection[float]) -> list[PointSummary]:
-    """Return the result points with the surfaces, mu0 and tau0 of the first point, at the given loads (mN)."""
+    """Return the result points at the given loads (mN) that share surfaces, mu0 and tau0 with the first point."""
     first_coordinates = points[0].at.items()
     return sorted(
         (
@@ -315,7 +315,7 @@ def _select_points_of_first_cell(points: Sequence[PointSummary], loads: Collecti
 
 
 def _first_cell_coordinates_text(points: Sequence[PointSummary]) -> str:
-    """Return the coordinates of the first result point's surfaces as text, as in "H = 0.9".
+    """Return the coordinates that describe the surfaces of the first result point as text, such as "H = 0.9".
 
     Returns "" if all points share these coordinates.
     """
@@ -324,7 +324,10 @@ def _first_cell_coordinates_text(points: Sequence[PointSummary]) -> str:
 
 
 def _list_varying_coordinates(points: Sequence[PointSummary]) -> list[str]:
-    """Return the names of the coordinates that vary between result points; H replaces D if both are known."""
+    """Return the names of the coordinates that vary between result points.
+
+    The Hurst exponent H replaces the fractal dimension D if both are known.
+    """
     names = [name for name in points[0].at if name != "fractal_dimension" or "hurst_exponent" not in points[0].at]
     return [name for name in names if len({point.at[name] for point in points}) > 1]
 
@@ -394,7 +397,7 @@ def _direction_paragraphs(point: PointSummary, *, verbose: bool) -> list[Paragra
 
 
 def _sort_rules_of_directions(point: PointSummary) -> list[SlidingRuleCoefficient]:
-    """Return the coefficients of a result point in the column order of a table of directions, one per sliding rule.
+    """Return the coefficients of a result point, one per sliding rule, in the column order of a table of directions.
 
     The first column is for the rule "all", unless an interface was fitted under the other rule.
     """

@@ -160,7 +160,7 @@ def _draw_forces(
     magnification: float,
     max_arrow_length: float,
 ) -> None:
-    """Draw arrows for elastic forces on the upper body and for friction at opposing contacts, on the same scale.
+    """Draw arrows for the elastic and the frictional forces on the upper body, with lengths on a common scale.
 
     Slopes are magnified by the same factor as heights.
     """

@@ -102,7 +102,10 @@ def _interpolate_periodic(degrees: Floats, values: Floats, new_degrees: Floats) 
 
 
 def _draw_polar_circles(axes: Any, highest: float, degrees: Floats) -> None:
-    """Draw circles at round values in a polar plot, with labels that cover the curves and avoid the data points."""
+    """Draw circles at round values in a polar plot, with labels that avoid the data points.
+
+    A label has a white background, which hides the curves behind it.
+    """
     min_ring_spacing = (highest or 1.0) / MAX_COMPASS_RINGS
     power_of_ten = 10.0 ** np.floor(np.log10(min_ring_spacing))
     ring_spacing = float(
@@ -123,7 +126,7 @@ def _draw_polar_circles(axes: Any, highest: float, degrees: Floats) -> None:
 
 
 def _find_polar_angle_of_labels(degrees: Floats) -> float:
-    """Return the direction (degrees, first quadrant) for circle labels: farthest from data points and spokes."""
+    """Return the direction (degrees, first quadrant) where circle labels are farthest from data points and spokes."""
     candidates = np.array([67.5, 75.0, 60.0, 52.5, 22.5, 15.0, 30.0, 37.5])
     occupied_directions = np.concatenate([degrees, np.arange(0, 360, 45)])
     distances = np.abs((candidates[:, np.newaxis] - occupied_directions + 180) % 360 - 180).min(axis=1)
@@ -178,7 +181,7 @@ def friction_by_position_figure(point: xarray.Dataset, *, title: str = "") -> Fi
 
 
 def _has_single_profile_pair(values: xarray.DataArray) -> bool:
-    """Return whether all members consist of the same two profiles at different offsets."""
+    """Return whether all members are the same pair of profiles at different relative offsets."""
     if "x" not in values.coords or "line" not in values.coords:
         return False
     lines, offsets = np.unique(values["line"].values), np.unique(values["x"].values)

@@ -90,7 +90,7 @@ def draw_panel_letter(axes: Axes, number: int) -> None:
 def create_figure_with_axes_rows(
     rows: int, height: float, margin_above: float, margin_below: float, *, between: float
 ) -> tuple[Figure, float, Callable[[float, int, float], Axes]]:
-    """Return an empty figure, 170 mm wide, its height (mm), and a function that adds axes to a row of the figure."""
+    """Return an empty figure (170 mm wide), its height (mm), and a function that adds axes to a given row."""
     total_height = margin_above + margin_below + rows * (height + between) - between
     figure = new_figure(total_height, width=PAGE_WIDTH, layout=None)
 
@@ -176,7 +176,7 @@ def format_fractal_dimension_axis(axes: Axes, points: xarray.Dataset, *, last: b
 
 
 def find_fraction_beyond_hertz(points: xarray.Dataset, name: str = "friction_coefficient") -> Floats:
-    """Return, at each result point, the fraction of the load on contacts too deep for Hertz theory.
+    """Return, at each result point, the fraction of the load that is carried by contacts too deep for Hertz theory.
 
     The fraction is NaN in the half-space model, which has no asperities.
     """
@@ -186,7 +186,10 @@ def find_fraction_beyond_hertz(points: xarray.Dataset, name: str = "friction_coe
 
 
 def _draw_friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[str], mu0: float) -> None:
-    """Draw friction against fractal dimension for the lowest and highest tau0, dotted where the model is not valid."""
+    """Draw curves of friction against fractal dimension, for the lowest and the highest tau0.
+
+    Curves are dotted where the asperity model is not valid.
+    """
     dimension = curves["fractal_dimension"].values
     is_valid = ~(find_fraction_beyond_hertz(curves) > MAX_AFFECTED_FRACTION)
     value, lower, upper = (
@@ -232,7 +235,10 @@ def _draw_colour_bar(figure: Figure, position: tuple[float, float, float, float]
 
 
 def _logarithmic_colour_norm(maps: xarray.Dataset) -> Any:
-    """Return a logarithmic colour scale for the coefficients at which the model is valid; for all if few are valid."""
+    """Return a logarithmic colour scale for the friction coefficients at which the asperity model is valid.
+
+    If the model is valid at few coefficients, the scale covers all positive coefficients.
+    """
     coefficients = maps["friction_coefficient"].sel(statistic="mean").values
     is_positive = np.isfinite(coefficients) & (coefficients > 0)
     is_valid = is_positive & ~(find_fraction_beyond_hertz(maps) > MAX_AFFECTED_FRACTION)
@@ -319,7 +325,10 @@ def _compute_cell_fading(friction_with_limits: Floats) -> Floats:
 
 
 def _fade_colours(colours: Floats, fading: Floats) -> Floats:
-    """Fade colours to greys of equal luminance; a faded colour then equals no other colour of the scale."""
+    """Fade colours to grey without changing their luminance.
+
+    A faded colour then equals no other colour of the scale.
+    """
     grey = (colours @ _LUMINANCE_WEIGHTS)[..., np.newaxis]
     fraction = np.asarray(fading)[..., np.newaxis]
     return np.asarray((1 - fraction) * colours + fraction * grey)
@@ -474,7 +483,7 @@ def profiles_figure(profiles: Mapping[float, Profile], study: Study) -> Figure:
 
 
 def length_scales_figure(bodies: Mapping[float, tuple[Profile, Surface]]) -> Figure:
-    """Draw unscaled profiles and surfaces, one of each per length scale.
+    """Draw a profile and a height map for each length scale, with unscaled heights.
 
     `bodies` comes from `generate_bodies_by_length_scale`.
     """

@@ -1,4 +1,4 @@
-"""Figure of friction and true contact area for scaled heights."""
+"""Figure of friction and true contact area of a pair whose heights are multiplied by several factors."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from stiction.views.style import (
 
 
 def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure 80 mm wide: friction and true contact area over the rms gradient of scaled heights.
+    """Draw a figure 80 mm wide: friction and true contact area of a pair with scaled heights, over the rms gradient.
 
     Parameters
     ----------

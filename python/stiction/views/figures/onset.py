@@ -110,7 +110,10 @@ NUM_CURVE_POINTS = 200
 
 
 def _interpolate_loading_curve(displacement: Floats, load: Floats, max_load: float) -> tuple[Floats, Floats]:
-    """Return displacements and loads (mN) of the first loading up to `max_load`, by monotone cubic interpolation."""
+    """Return displacements and loads (mN) at many points of the first loading curve, up to the load `max_load`.
+
+    The interpolation is cubic and monotone.
+    """
     from scipy.interpolate import PchipInterpolator
 
     fine_loads = np.linspace(0.0, max_load, NUM_CURVE_POINTS)
@@ -118,7 +121,10 @@ def _interpolate_loading_curve(displacement: Floats, load: Floats, max_load: flo
 
 
 def _build_masing_cycle(displacement: Floats, load: Floats, amplitude: float) -> tuple[Floats, Floats]:
-    """Return displacements and loads of a load cycle by Masing's rule: each branch is twice the first loading curve."""
+    """Return displacements and loads of a load cycle that follows from the first loading curve by Masing's rule.
+
+    Each branch of the cycle is the first loading curve, magnified by a factor of two.
+    """
     loading = _interpolate_loading_curve(displacement, load, amplitude)
     unloading = loading[0][-1] - 2 * loading[0], loading[1][-1] - 2 * loading[1]
     return np.concatenate([unloading[0], -unloading[0]]), np.concatenate([unloading[1], -unloading[1]])
@@ -131,7 +137,7 @@ _MAX_MARKER_AREA = 60.0  # square points
 
 
 def contains_slip_map(onset: xarray.Dataset) -> bool:
-    """Return whether an onset dataset contains the map for `slip_figure`.
+    """Return whether an onset dataset contains a slip map, which `slip_figure` draws.
 
     Only areal contacts have such a map.
     """
@@ -192,7 +198,7 @@ def _draw_slip_map(axes: Axes, slip: Floats, box: tuple[float, ...], colour_norm
 
 
 def _densest_contact_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, float, float, float]]:
-    """Return the part of a slip map to magnify, where contact points are densest: rows, columns, and edges (µm)."""
+    """Return the window of a slip map with the densest contact points: row and column slices, and edges (µm)."""
     is_contact = np.isfinite(onset["slip"].values)
     window_shape = [min(max(length // ZOOM_FACTOR, MIN_ZOOM_SIDE_POINTS), length) for length in is_contact.shape]
     contact_density = is_contact.astype(np.int64)
@@ -207,7 +213,7 @@ def _densest_contact_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice],
 
 
 def _sum_with_triangular_weights(counts: NDArray[np.int64], width: int, axis: int) -> NDArray[np.int64]:
-    """Return, for each element along an axis, the sum of the counts around it with triangular weights.
+    """Return moving sums of counts along an axis, with triangular weights.
 
     The weights fall from `width` to 1, so that a group of counts has its largest sum at its centre. Beyond the edges,
     the counts are 0.

@@ -1,4 +1,4 @@
-"""Report on generated surfaces: friction and other quantities for all mu0 and tau0, assessments, and figures."""
+"""Report on generated surfaces with sliders for mu0 and tau0: friction, other quantities, assessments and figures."""
 
 from __future__ import annotations
 
@@ -133,7 +133,10 @@ def _create_report_arrays(values: ReportValuesOfGeneratedSurfaces) -> dict[str, 
 
 
 def _caveat_number_arrays(values: ReportValuesOfGeneratedSurfaces) -> dict[str, ReportArray]:
-    """Return an array for each number that caveats contain: the number at each result point, or NaN without caveat."""
+    """Return one array for each number in the text of a caveat, with the number at each result point.
+
+    The array is NaN at points without this caveat.
+    """
     assessments_by_number: dict[tuple[str, str], list[int]] = {}
     for index, caveats in enumerate(values.caveat_sets):
         for check in filter(_contains_number, caveats):
@@ -148,7 +151,7 @@ def _caveat_number_arrays(values: ReportValuesOfGeneratedSurfaces) -> dict[str, 
 
 
 def _contains_number(reason: Caveat | LimitCheck) -> TypeGuard[LimitCheck]:
-    """Return whether a caveat is a failed check with a number in its text; the number varies between result points."""
+    """Return whether a caveat is a failed check whose text contains a number that varies between result points."""
     return isinstance(reason, LimitCheck) and "{}" in reason.text
 
 
@@ -163,7 +166,7 @@ def _quantity_record(name: str, study: Study) -> dict[str, Any]:
 
 
 def _relative_half_widths(points: Floats) -> Floats:
-    """Return the half width of each interval divided by the absolute value of the mean."""
+    """Return the relative half width of each interval: half width divided by the absolute value of the mean."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray((points[..., 2] - points[..., 1]) / (2 * np.abs(points[..., 0])))
 
@@ -189,7 +192,10 @@ def _compute_colour_ranges(values: ReportValuesOfGeneratedSurfaces) -> dict[str,
 
 
 def _choose_initial_cell_and_load(values: ReportValuesOfGeneratedSurfaces, study: Study) -> dict[str, int]:
-    """Return the indices of the surface and the load that a page shows first, with the narrowest relative interval."""
+    """Return the indices of the surface and the load that a page shows first.
+
+    Friction of this surface at this load has the narrowest interval, relative to its mean.
+    """
     is_valid, points = values.is_valid, values.estimates["friction"]
     strengths = study.friction.mu0[len(study.friction.mu0) // 2], float(study.friction.tau0[0])
     parameter_indices = [axis.find_index(value) for axis, value in zip(values.axes, strengths, strict=True)]
@@ -205,7 +211,10 @@ def _choose_initial_cell_and_load(values: ReportValuesOfGeneratedSurfaces, study
 
 
 def _caveat_or_check_record(reason: Caveat | LimitCheck) -> dict[str, Any]:
-    """Return a caveat or a failed check for the page scripts: text, remedy, severity, and name of its number."""
+    """Return a caveat or a failed check as a dictionary for the page scripts, with text, remedy and severity.
+
+    The key "number" names the array of the number in the text.
+    """
     return {
         "text": reason.text, "remedy": reason.remedy, "severity": reason.severity,
         "number": f"number_{reason.shown_name}" if _contains_number(reason) else None,

@@ -1,4 +1,4 @@
-"""Report on measured surfaces: friction for all mu0 and tau0, other quantities, and assessments."""
+"""Report on measured surfaces with sliders for mu0 and tau0: friction, other quantities, and assessments."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ The keys specify whether the study has a nominal area.
 
 
 def _friction_arrays(values: ReportValuesOfMeasuredSurfaces) -> dict[str, ReportArray]:
-    """Return the arrays that the page stores: coefficients, intervals and statuses for all loads, mu0 and tau0.
+    """Return the friction data that the page stores: arrays of coefficients, intervals and statuses.
 
     Coefficients without an interval are printed with the decimals of the mean over directions.
     """
@@ -210,7 +210,7 @@ def _history_markup(side: str, history: BodyHistory) -> str:
 
 
 def _list_quantity_tables(study: Study, values: ReportValuesOfMeasuredSurfaces) -> list[QuantityEstimates]:
-    """Return the estimates of all quantities that the report shows, except friction."""
+    """Return one object with estimates for each quantity in the report, except for friction."""
     tables = []
     curve_panels = _CURVE_PANELS[study.has_nominal_area].values()
     factors = {curve_panel["of"]: curve_panel["factor"] for curve_panel in curve_panels}
@@ -246,7 +246,10 @@ def _assessment_record(point: PointSummary) -> dict[str, Any]:
 
 
 def _contribution_record(point: PointSummary) -> dict[str, Any] | None:
-    """Return, for the page scripts, the coefficient with friction at all contacts, its interval and contributions."""
+    """Return the coefficient for friction at all contacts, its interval and its contributions, for the page scripts.
+
+    Returns None if the coefficient or its contributions are unknown.
+    """
     all_contacts_estimate = next((rule for rule in point.rules if rule.rule == "all"), None)
     if point.contributions is None or all_contacts_estimate is None or not math.isfinite(all_contacts_estimate.value):
         return None

@@ -70,7 +70,7 @@ def read_package_file(name: str) -> str:
 
 
 def script_markup(facts: dict[str, Any], packed_arrays: Mapping[str, str]) -> str:
-    """Return HTML with the page scripts and their data: `facts` as JSON, and encoded arrays of numbers."""
+    """Return HTML script elements: the page scripts, `facts` as JSON, and the encoded arrays of numbers."""
     # Without "<", the JSON text contains no tag that would end the script element.
     facts_json = to_json(facts).replace("<", "\\u003c")
     script_template = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'

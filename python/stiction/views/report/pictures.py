@@ -165,7 +165,7 @@ def _members_panel(point: xarray.Dataset, study: Study, title: str) -> FigurePan
 
 
 def _cutoff_panel(limits: ResolutionLimits, title: str) -> FigurePanel:
-    """Return the panel with friction and true area over the cutoff."""
+    """Return the panel that shows friction and true area against the cutoff wavelength."""
     return FigurePanel(
         "Cutoff wavelength",
         "Friction coefficient and true contact area over the cutoff wavelength of the low-pass filter.",
@@ -200,7 +200,7 @@ def _onset_panels(onset: xarray.Dataset, study: Study, title: str) -> list[Figur
 
 
 def _height_factors_panel(points: xarray.Dataset, scaled_bodies: ScaledBodies, title: str) -> FigurePanel:
-    """Return the panel with friction for scaled heights, for the first load, mu0 and tau0 of the study."""
+    """Return the panel on friction of a pair with scaled heights, at the first load, mu0 and tau0 of the study."""
     surfaces_text, factors = NAMES_OF_SCALED_SURFACES[scaled_bodies], points["height_scale"].values
     return FigurePanel(
         f"Another finish of {surfaces_text}",

@@ -111,7 +111,7 @@ def report_page(result: Evaluation | xarray.Dataset, *, name: str = "", picture:
 def evaluate_report(
     result: Evaluation | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None
 ) -> Iterator[Callable[[], contextlib.AbstractContextManager[Callable[[], HtmlPage]]]]:
-    """Evaluate the data of a report in a forked process, and yield a function that starts to draw the figures.
+    """Start to evaluate a report in a forked process, and yield a function that starts to draw the figures.
 
     The function returns another context, in which a second process draws the figures. This context yields a function
     that waits for both processes and returns the report. It raises the same errors as `report_page`. If Matplotlib is
@@ -133,7 +133,7 @@ _ComposedContent = tuple[ReportContent, dict[str, Any], PackedArrays]
 
 
 def _collect_data(result: Evaluation, picture: xarray.Dataset | None) -> _AnyReportData:
-    """Collect the data of a page, or raise a `ReportError` if the result is too large for a page."""
+    """Collect the data of a report, or raise a `ReportError` if the report cannot be rendered."""
     _check_can_render(result)
     return collect_report_data(result, picture)
 
@@ -142,7 +142,7 @@ def _collect_data(result: Evaluation, picture: xarray.Dataset | None) -> _AnyRep
 def _draw_report(
     get_data: Callable[[], _AnyReportData], get_content: Callable[[], _ComposedContent]
 ) -> Iterator[Callable[[], HtmlPage]]:
-    """Draw the figures of a report in a forked process; yield a function that waits for them and builds the page."""
+    """Draw a report's figures in a forked process, and yield a function that waits for them and builds the page."""
     from stiction.views.report.pictures import draw_panels
 
     with evaluate_in_copy(lambda: draw_panels(get_data())) as get_panel_markup:
@@ -153,7 +153,7 @@ def _build_page(
     data: _AnyReportData, panel_markup: Mapping[bool, str], content: ReportContent, facts: dict[str, Any],
     packed_arrays: PackedArrays,
 ) -> HtmlPage:  # fmt: skip
-    """Render a report from its data, drawn panels, content, script data, and encoded arrays."""
+    """Build the HTML page of a report from its data, panels with figures, texts, script data and encoded arrays."""
     return _render_page(data, content, panel_markup, script_markup(facts, packed_arrays.texts))
 
 

@@ -23,9 +23,10 @@ _COMPRESSION_LEVEL = 7
 
 
 def encode_doubles(values: ArrayLike, num_leading_bytes: int) -> str:
-    """Encode floating-point numbers as text: first bytes of all numbers, then their second bytes, and so on.
+    """Encode floating-point numbers as compressed text, ordered by byte: the first bytes of all numbers come first.
 
-    Bytes at the same position are similar, especially signs and exponents, so this order compresses best.
+    Each number is rounded to `num_leading_bytes` bytes. Bytes at the same position are similar, especially signs and
+    exponents, so this order compresses best.
     """
     bits = np.ascontiguousarray(values, np.float64).ravel().view(np.uint64)
     num_dropped_bits = 8 * (8 - num_leading_bytes)
@@ -36,7 +37,7 @@ def encode_doubles(values: ArrayLike, num_leading_bytes: int) -> str:
 
 
 def encode_small_integers(values: NDArray[np.int8]) -> str:
-    """Compress whole numbers from -128 to 127, one byte each, and encode the bytes as base64 text."""
+    """Compress whole numbers from -128 to 127 as one byte each, and encode the result as base64 text."""
     return base64.b64encode(zlib.compress(values.tobytes(), _COMPRESSION_LEVEL)).decode("ascii")
 
 
@@ -56,7 +57,7 @@ class EstimateArray:
     formats: Sequence[NumberFormat] = ()
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return the arrays that a page stores for these estimates, keyed by a suffix such as "decimals"."""
+        """Return the arrays that a page stores for these estimates: a dictionary with keys such as "decimals"."""
         indices = find_format_indices(self.values[..., 0], self.formats) if self.formats else None
         factors = 1.0 if indices is None else np.array([item.factor for item in self.formats])[indices, np.newaxis]
         estimates = np.moveaxis(self.values / factors, -1, 0)
@@ -82,12 +83,12 @@ class NumberArray:
     formats: Sequence[NumberFormat]
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return the arrays that a page stores for these numbers: "value", and "format" (indices of formats)."""
+        """Return a dictionary of two arrays for the page: the numbers, and the indices of their formats."""
         return {"value": self.values, "format": find_format_indices(self.values, self.formats)}
 
 
 def find_format_indices(values: Floats, formats: Sequence[NumberFormat]) -> NDArray[np.int8]:
-    """Return, for each number, the index in `formats` of the format with which `format_number` would print it."""
+    """Return, for each number, the index in `formats` of the format in which `format_number` prints the number."""
     sizes = np.where(np.isnan(values) | (values == 0), 1.0, np.abs(values))
     minima = MIN_NUMBER_ROUNDED_TO_ONE * np.array([item.minimum for item in reversed(formats)])
     return (len(minima) - np.searchsorted(minima, sizes, side="right")).astype(np.int8)
@@ -151,7 +152,7 @@ def estimate_with_unit_text(point: Sequence[float], unit: str) -> str:
 
 @dataclass(frozen=True, eq=False)
 class QuantityEstimates:
-    """Estimates of one quantity in a report; the quantity does not depend on mu0 and tau0.
+    """Estimates of a quantity that depends neither on mu0 nor on tau0, for a report.
 
     Attributes
     ----------
@@ -175,7 +176,7 @@ class QuantityEstimates:
     limit: float | None
 
     def to_record(self) -> dict[str, Any]:
-        """Return the estimates as JSON fields: numbers, decimals, texts, and marks of numbers above `limit`."""
+        """Return the estimates as JSON fields: numbers, decimals, texts, and flags for numbers above `limit`."""
         points = self.factor * self.estimates
         decimals, upper_limit_decimals = count_estimate_decimals(*np.moveaxis(points, -1, 0), digits=QUANTITY_DIGITS)
         texts = [
