@@ -676,3 +676,12 @@ def test_pair_function_replaces_a_result_of_another_study_only_on_request(functi
 
 def test_copy_of_a_surface_has_an_equal_repr(lower):
     assert repr(copy.deepcopy(lower)) == repr(lower)
+
+
+def test_pair_raises_a_format_error_for_a_file_that_cannot_be_read(tmp_path):
+    (tmp_path / "scan.csv").write_text("hello\nworld\n")
+    with pytest.raises(stiction.FormatError, match="no numbers were found"):
+        stiction.pair(
+            tmp_path / "scan.csv", tmp_path / "scan.csv", load="1 MPa", effective_modulus="80 GPa", mu0=0.2,
+            directory=tmp_path / "pair",
+        )  # fmt: skip

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import math
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from dataclasses import replace as replace_fields
@@ -22,6 +21,7 @@ from stiction._errors import ArgumentError
 from stiction._files import describe_os_error
 from stiction._text import printable_path
 from stiction._units import loads_to_core_units, quantity, short_repr
+from stiction._warnings import warn_caller
 from stiction.evaluate.shear_intervals import (
     ContactVariation,
     ShearInputSamples,
@@ -338,11 +338,10 @@ def _warn_about_other_steps(directory: Path, key: str) -> None:
     """Warn about stored steps of a shear test that had other inputs, another stiction version or another machine."""
     names = [printable_path(path) for path in find_steps_with_other_keys(directory, 0, key)]
     if names:
-        warnings.warn(
+        warn_caller(
             f"{', '.join(names)}: steps of a shear test that was interrupted with other inputs, by another version or "
             "on another machine; this test does not resume from these steps. Remove the directory, unless you will "
-            "run the interrupted test again",
-            stacklevel=3,
+            "run the interrupted test again"
         )
 
 

@@ -8,10 +8,10 @@ import tempfile
 from concurrent.futures import Executor
 from pathlib import Path
 from typing import TYPE_CHECKING
-from warnings import warn
 
 from stiction._checks import check_bool, parse_path
 from stiction._errors import ArgumentError
+from stiction._warnings import warn_caller
 from stiction.mechanics.half_space import TiltMode
 from stiction.mechanics.model import CurvatureRequirement, DetectionMethod
 from stiction.pipeline import complete_result
@@ -38,6 +38,7 @@ from stiction.study.pair_options import (
 )
 from stiction.study.pair_study import build_study_from_options
 from stiction.surfaces.measured.interpret import MissingPointTreatment, OutlierTreatment
+from stiction.surfaces.measured.raw import FormatError
 from stiction.surfaces.preparation import count_flips
 from stiction.surfaces.profile import LineOrientation, Profile
 from stiction.surfaces.surface import Surface
@@ -248,8 +249,10 @@ def pair(
 
     Raises
     ------
+    FormatError
+        If a file cannot be read; it is a `ValueError`.
     ValueError
-        If a file cannot be read, a quantity has a wrong unit, or an argument does not apply.
+        If a quantity has a wrong unit, or an argument does not apply.
 
     Examples
     --------
@@ -264,10 +267,9 @@ def pair(
     """
     for name, body in (("first", first), ("second", second)):
         if isinstance(body, (Profile, Surface)) and count_flips(body):
-            warn(
+            warn_caller(
                 f"{name} is flipped, but pair flips the first body itself: give both bodies as they were scanned, "
-                "with heights that point out of the material",
-                stacklevel=2,
+                "with heights that point out of the material"
             )
     for name, value in (("replace", replace), ("progress", progress)):
         check_bool(name, value)
@@ -344,4 +346,5 @@ def pair(
     except ArgumentError as error:
         raise ValueError(error.translated_message(format_python_name)) from None
     except ValueError as error:
-        raise ValueError("; ".join(str(error).splitlines())) from None
+        error_class = FormatError if isinstance(error, FormatError) else ValueError
+        raise error_class("; ".join(str(error).splitlines())) from None

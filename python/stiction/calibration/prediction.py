@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-import warnings
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from stiction._checks import Floats
+from stiction._warnings import warn_caller
 from stiction.calibration.friction_tests import Ball, FrictionTest, depends_on_junction_growth, evaluate_test_sums
 from stiction.evaluate.budget import predict_coefficient
 from stiction.mechanics.friction import FrictionCurve, FrictionLaw
@@ -95,10 +95,9 @@ class Interface(InterfaceStrength):
             test_growth, result_growth = (
                 estimate.short_text if estimate is not None else "0" for estimate in (self.junction_growth, growth)
             )
-            warnings.warn(
+            warn_caller(
                 f"the interface was calibrated with junction growth {test_growth}, and the result has "
-                f"{result_growth}; press both with the same junction_growth",
-                stacklevel=2,
+                f"{result_growth}; press both with the same junction_growth"
             )
 
         is_measured_pair = not isinstance(result, (Ball, FrictionCurve)) and MemberSums.of(result).study.is_measured

@@ -7,7 +7,6 @@ Hanaor, Gan & Einav (2016), Eqs. 6 and 7 and section 2.5.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from functools import lru_cache
@@ -22,6 +21,7 @@ from stiction._drawing import draw_contact_area, draw_friction
 from stiction._number_format import format_with_unit
 from stiction._repr import PlotReprMixin, TextReprMixin, axes_or_new_axes
 from stiction._units import short_repr
+from stiction._warnings import warn_caller
 from stiction.mechanics.materials import MAX_RUBBER_MODULUS
 from stiction.mechanics.quantities import (
     QUANTITIES,
@@ -615,10 +615,9 @@ def warn_if_tau0_is_large(tau0: Floats, effective_modulus: float) -> None:
     max_tau0, is_rubber = float(np.max(tau0, initial=0)), effective_modulus < MAX_RUBBER_MODULUS
     if max_tau0 > (MAX_RUBBER_SHEAR_STRENGTH_RATIO if is_rubber else MAX_SHEAR_STRENGTH_RATIO) * effective_modulus:
         smaller_unit = format_with_unit(max_tau0 / 1000, "GPa").split()[-1]
-        warnings.warn(
+        warn_caller(
             f"tau0 = {format_with_unit(max_tau0, 'GPa')} is above {'' if is_rubber else 'a tenth of '}the effective "
-            f"modulus {format_with_unit(effective_modulus, 'GPa')}; was it meant in {smaller_unit}?",
-            stacklevel=3,
+            f"modulus {format_with_unit(effective_modulus, 'GPa')}; was it meant in {smaller_unit}?"
         )
 
 

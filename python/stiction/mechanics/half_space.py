@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import functools
 import math
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal
@@ -22,6 +21,7 @@ from stiction._drawing import draw_contact_pressure
 from stiction._errors import NoSolutionError
 from stiction._repr import PlotReprMixin, axes_or_new_axes
 from stiction._units import loads_to_core_units, short_repr, to_core_units
+from stiction._warnings import warn_caller
 from stiction.mechanics.adhesion import solve_separation, solve_with_adhesion
 from stiction.mechanics.friction import FrictionCurve
 from stiction.mechanics.half_space_problem import (
@@ -215,9 +215,7 @@ class HalfSpaceCurve(FrictionCurve):
         """
         force, is_bound = self.pull_off_bound
         if is_bound:
-            warnings.warn(
-                f"the pull-off force is at least {force:.4g} mN: {self._separation_solutions[1]}", stacklevel=2
-            )
+            warn_caller(f"the pull-off force is at least {force:.4g} mN: {self._separation_solutions[1]}")
         return force
 
     @property
@@ -651,10 +649,9 @@ def _add_adhesion(
     """
     min_adhesion_range = min_resolved_adhesion_range(work, max(problem.spacing), effective_modulus)
     if min_adhesion_range > adhesion_range:
-        warnings.warn(
+        warn_caller(
             f"adhesion_range = {adhesion_range * 1e3:.3g} nm is increased to {min_adhesion_range * 1e3:.3g} nm: "
-            f"the grid needs {MIN_PROCESS_ZONE_POINTS:g} points in the process zone E* range²/w",
-            stacklevel=3,
+            f"the grid needs {MIN_PROCESS_ZONE_POINTS:g} points in the process zone E* range²/w"
         )
     adhesion_range = max(min_adhesion_range, adhesion_range)
     if problem.hardness is not None and not work / adhesion_range < problem.hardness:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import math
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Literal, TypedDict, TypeVar
@@ -15,6 +14,7 @@ import stiction._core
 from stiction._caching import cached_property
 from stiction._checks import Floats, check_choice, check_instance, validate_number
 from stiction._units import short_repr
+from stiction._warnings import warn_caller
 from stiction.mechanics.law import ContactLaw, HertzCylinder, LawName, parse_contact_law
 from stiction.surfaces.preparation import count_flips, list_history_without_flips
 from stiction.surfaces.profile import MAX_POINTS, Profile, reject_missing_points
@@ -331,7 +331,7 @@ def warn_if_same_body(upper: Profile | Surface, lower: Profile | Surface) -> Non
                 "along y cancel; move one of the surfaces, or press another piece"
             )
     if message:
-        warnings.warn(message, stacklevel=3)
+        warn_caller(message)
 
 
 def _differ_by_a_constant(a: Floats, b: Floats) -> bool:

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 from stiction._text import MAX_PATH_LENGTH, format_duration, printable_text
 from stiction._threads import num_usable_cores
 from stiction._units import short_repr
+from stiction._warnings import warn_caller
 from stiction.study.values import StudyError
 
 if TYPE_CHECKING:
@@ -315,7 +316,7 @@ def connect_to_cluster(address: str) -> Iterator[Executor]:
         try:
             if not client.nthreads():
                 message = f"the scheduler at {short_repr(address)} has no workers yet; waiting for them"
-                warnings.warn(message, stacklevel=3)
+                warn_caller(message)
             yield client.get_executor()
         except distributed.scheduler.KilledWorker as error:
             raise ClusterError(f"the worker processes died while they computed a block of members: {error}") from None

@@ -17,7 +17,6 @@ import math
 import os
 import re
 import threading
-import warnings
 import zlib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
@@ -41,6 +40,7 @@ from stiction._files import (
     replace_file_atomically,
 )
 from stiction._text import printable_path, printable_text
+from stiction._warnings import warn_caller
 from stiction.mechanics.friction import STATUS_OK, STATUSES
 from stiction.mechanics.quantities import GAP_QUANTITIES, QUANTITIES
 from stiction.solve.layout import (
@@ -374,10 +374,9 @@ def read(path: str | Path) -> xarray.Dataset:
     result = stored_result.dataset()
     num_members = stored_result.study.ensemble.repetitions
     if stored_result.num_finished < num_members:
-        warnings.warn(
+        warn_caller(
             f"{printable_path(path)}: {stored_result.num_finished} of "
-            f"{stored_result.study.member_names.with_count(num_members)} are finished; the result contains only these",
-            stacklevel=2,
+            f"{stored_result.study.member_names.with_count(num_members)} are finished; the result contains only these"
         )
     return result
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +15,7 @@ from stiction._checks import parse_path
 from stiction._files import UnreadableFileError, check_is_file, describe_os_error
 from stiction._repr import format_with_unit
 from stiction._text import printable_path, printable_text
+from stiction._warnings import warn_caller
 from stiction.surfaces.measured.decode import decode_text, is_text
 from stiction.surfaces.measured.excel import read_excel
 from stiction.surfaces.measured.instrument import is_reader_installed, read_instrument_file
@@ -379,8 +379,7 @@ def _read_profile_or_map(
     """Read a profile or height map from a file, and issue a `FormatWarning` for each caveat that is not accepted."""
     reading = _interpret_file(path, options, convert)
     for caveat in reading.caveats:
-        # Stack level 3 makes the warning refer to the line that calls a public function such as `read_profile`.
-        warnings.warn(f"{printable_path(path)}: {caveat}", FormatWarning, stacklevel=3)
+        warn_caller(f"{printable_path(path)}: {caveat}", FormatWarning)
     return reading.body
 
 

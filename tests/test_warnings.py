@@ -1,0 +1,48 @@
+"""Test that warnings refer to the line of the user's program, however deep in the package they are issued."""
+
+import numpy as np
+import pytest
+from stiction import FormatWarning, half_space, pair, press, read_profile, self_affine_surface
+
+pytestmark = pytest.mark.usefixtures("no_companion_files")
+
+
+def create_maps():
+    return [
+        self_affine_surface(3, hurst_exponent=0.8, rms=0.02, shape=(32, 32), spacing=0.1, side=side)
+        for side in ("upper", "lower")
+    ]
+
+
+def warn_about_tau0_of_curve(directory):
+    press(*create_maps(), [0.01]).normal_load(mu0=0.2, tau0=200.0)
+
+
+def warn_about_tau0_of_result(directory):
+    result = pair(*create_maps(), load="10 MPa", effective_modulus="80 GPa", mu0=0.2, shifts=2, onset=0)
+    result.summary("10 MPa", mu0=0.2, tau0="20 GPa")
+
+
+def warn_about_a_file(directory):
+    (directory / "profile.txt").write_text("Z scale: 500 nm\n" + "\n".join(map(str, np.sin(np.arange(99.0)))))
+    read_profile(directory / "profile.txt", unit="um", spacing="1 um")
+
+
+def warn_about_equal_surfaces(directory):
+    surface, _ = create_maps()
+    half_space(surface, surface, [0.1], effective_modulus=80.0)
+
+
+@pytest.mark.parametrize(
+    ("issue_warning", "category", "text"),
+    [
+        (warn_about_tau0_of_curve, UserWarning, "was it meant in MPa"),
+        (warn_about_tau0_of_result, UserWarning, "was it meant in MPa"),
+        (warn_about_a_file, FormatWarning, "profile.txt: "),
+        (warn_about_equal_surfaces, UserWarning, "upper"),
+    ],
+)
+def test_warning_refers_to_the_line_that_calls_the_package(tmp_path, issue_warning, category, text):
+    with pytest.warns(category, match=text) as caught_warnings:
+        issue_warning(tmp_path)
+    assert {warning.filename for warning in caught_warnings} == {__file__}
