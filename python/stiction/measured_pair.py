@@ -122,7 +122,8 @@ def pair(
     width : str or float, µm, optional
         Width across two profiles on which a force acts. By default 1 um.
     mu0 : str or float, or several, optional
-        Molecular friction coefficients, "0.3,0.4", or one with its uncertainty, "0.30±0.02" or "0.2..0.4".
+        Molecular friction coefficients, "0.3,0.4", or one with its standard deviation, "0.30±0.02", or its 95 % range,
+        "0.2..0.4".
     tau0 : str or float, or several, GPa, optional
         Adhesive shear strengths, "0 MPa,50 MPa", or one with its uncertainty, "30..80 MPa". By default 0 MPa.
     interface : str, path or Interface, optional
@@ -146,7 +147,7 @@ def pair(
         Yield strength of the softer body, for `law` jackson-green. By default the hardness divided by 2.84.
     junction_growth : str or float, optional
         Growth of plastic contacts under shear: "slip-line", α of p² + α τ² = H² as in "9" or "0..27", or 0. By default
-        slip-line.
+        slip-line, or 0 if the softer body is a named rock, glass, ceramic, semiconductor or coating.
     yield_exponent : str or float, optional
         Exponent of the area of yielding contacts, "1.25" or "uniform 0.7 .. 1.6". By default "uniform 0.7 .. 1.6".
     indent : str or float, µm, optional

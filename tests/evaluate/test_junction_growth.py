@@ -379,3 +379,37 @@ def test_slip_line_theory_does_not_change_the_friction_of_an_elastic_pair_with_h
     assert (result.at()["status"] == "ok").all()
     assert result.value == without_growth.value
     assert result.interval == pytest.approx(without_growth.interval, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("materials", "growth"),
+    [
+        ({"upper": "granite", "lower": "granite"}, 0.0),
+        ({"upper": "steel", "lower": "granite"}, 5.6),
+        ({"upper": "PMMA", "lower": "glass"}, 5.6),
+        ({"upper": "glass"}, 0.0),
+        ({"effective_modulus": "60 GPa", "hardness": "8 GPa"}, 5.6),
+    ],
+    ids=lambda value: "-".join(value.values()) if isinstance(value, dict) else "",
+)
+def test_contacts_grow_by_slip_lines_by_default_unless_the_softer_body_is_a_named_brittle_material(materials, growth):
+    result = pair(*rough_surfaces(), **materials, mu0=0.3, load="20 MPa", cutoff="none", shifts=2, onset=0)
+    assert result.study.contact.junction_growth == growth
+    assert ("no junction growth" in str(result)) == (growth == 0)
+
+
+def test_coefficient_of_yielding_rock_has_an_upper_limit_unless_slip_lines_are_given():
+    options = PLASTIC_OPTIONS | {"effective_modulus": None, "upper": "granite", "hardness": "4 GPa", "load": "500 MPa"}
+    result = pair(*rough_surfaces(0.2), **options, mu0="0.35±0.05")
+    assert result.value == pytest.approx(0.35, abs=0.02)
+    assert result.interval[1] < 0.5
+    with_slip_lines = pair(*rough_surfaces(0.2), **options, mu0="0.35±0.05", junction_growth="slip-line")
+    assert math.isinf(with_slip_lines.interval[1])
+    assert "--junction-growth 0" not in str(with_slip_lines)
+
+
+@pytest.mark.parametrize("mu0", ["0.35±0.05", 0.6], ids=["some samples", "central inputs"])
+def test_unlimited_coefficient_of_unnamed_bodies_recommends_no_junction_growth_for_rock(mu0):
+    caveats = pair(*rough_surfaces(), **PLASTIC_OPTIONS, mu0=mu0).caveats
+    remedies = [caveat.remedy for caveat in caveats]
+    assert sum("for rock, glass or ceramics, use --junction-growth 0" in remedy for remedy in remedies) == 1

@@ -30,6 +30,10 @@ _ELEMENT_PATTERN = "|".join(sorted(re.findall("[A-Z][a-z]?", _ELEMENT_SYMBOLS), 
 _FORMULA_PATTERN = re.compile(f"(?:(?:{_ELEMENT_PATTERN})[0-9]*)+")
 MaterialKind = Literal["metal", "ceramic", "glass", "semiconductor", "coating", "polymer", "elastomer", "rock"]
 
+# Contacts of these materials yield by slip at a shear strength that hardly rises with the pressure, as slip-line theory
+# assumes. Minerals, ceramics and glass do not: their contacts slide at coefficients far above the limit of that theory.
+SLIP_LINE_KINDS: tuple[MaterialKind, ...] = ("metal", "polymer")
+
 # Bodies with a smaller effective modulus E* (GPa) are assumed to be rubber or gel, which do not yield.
 MAX_RUBBER_MODULUS = 0.1
 

@@ -627,7 +627,8 @@ class MaterialOptions(OptionGroup):
     )] = None  # fmt: skip
     junction_growth: Annotated[QuantityInput | None, PairOption(
         "LAW", 'Growth of plastic contacts under shear: "slip-line", α of p² + α τ² = H² as in "9" or "0..27", or 0.',
-        default_text="slip-line", key="contact.junction_growth", applies=(uses_half_space_model,),
+        default_text="slip-line, or 0 if the softer body is a named rock, glass, ceramic, semiconductor or coating",
+        key="contact.junction_growth", applies=(uses_half_space_model,),
         field=FormField(label="junction growth", example="slip-line, 9, or 0..27"),
     )] = None  # fmt: skip
     yield_exponent: Annotated[QuantityInput | None, PairOption(
@@ -681,8 +682,8 @@ class FrictionOptions(OptionGroup):
         applies=(presses_profiles_as_lines,), field=FormField(label="width of profiles", example="1 mm"),
     )] = None  # fmt: skip
     mu0: Annotated[QuantityInputs | None, PairOption(
-        "NUMBERS", 'Molecular friction coefficients, "0.3,0.4", or one with its uncertainty, "0.30±0.02" or '
-        '"0.2..0.4".', key="friction.mu0", is_common=True,
+        "NUMBERS", 'Molecular friction coefficients, "0.3,0.4", or one with its standard deviation, "0.30±0.02", or '
+        'its 95 % range, "0.2..0.4".', key="friction.mu0", is_common=True,
         applies=(has_no_interface,), field=FormField(label="μ0", place="load"),
     )] = None  # fmt: skip
     tau0: Annotated[QuantityInputs | None, PairOption(

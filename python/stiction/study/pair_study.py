@@ -27,7 +27,7 @@ from stiction._units import Quantity, exact_quantity_text, quantity_in_core_unit
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE
 from stiction.mechanics.half_space_problem import min_resolved_adhesion_range
 from stiction.mechanics.law import JacksonGreen
-from stiction.mechanics.materials import Material, material, softest_material
+from stiction.mechanics.materials import SLIP_LINE_KINDS, Material, material, softest_material
 from stiction.mechanics.model import PROFILE_WIDTH
 from stiction.study.contact_settings import choose_load_steps
 from stiction.study.elasticity import (
@@ -691,7 +691,7 @@ class MeasuredPair:
                 section["hardness"] = hardness
             if (growth := self._junction_growth) is not None:
                 section["junction_growth"] = growth
-            elif self.options.junction_growth is not None:
+            elif self.options.junction_growth is not None or not self._can_yield_by_slip_lines:
                 section["junction_growth"] = 0.0
             if (exponent := self._yield_exponent) is not None:
                 section["yield_exponent"] = exponent
@@ -754,7 +754,8 @@ class MeasuredPair:
     def _junction_growth(self) -> InputValue | None:
         """Junction growth of yielding contacts under shear, or None if the contacts do not grow.
 
-        The default is the junction growth of the interface or, without an interface, yield by slip lines.
+        The default is the junction growth of the interface. Without an interface, contacts yield by slip lines, unless
+        a material to which slip-line theory does not apply is named.
         """
         given_value: Any = self.options.junction_growth
         if given_value is None:
@@ -764,6 +765,8 @@ class MeasuredPair:
             interface_growth = None if self.given_interface is None else self.given_interface.junction_growth
             if interface_growth is not None:
                 return _build_growth_entry(interface_growth) or None
+            if not self._can_yield_by_slip_lines:
+                return None
             given_value = SLIP_LINE_TEXT
         elif self._hardness is None:
             raise ArgumentError("{junction_growth} needs {hardness}, because shear enlarges only contacts that yield")
@@ -773,6 +776,12 @@ class MeasuredPair:
                 "{junction_growth} must be 0 if {work_of_adhesion} is given, got {got}", got=repr(given_value)
             )
         return growth if growth else None
+
+    @property
+    def _can_yield_by_slip_lines(self) -> bool:
+        """Return whether slip-line theory may apply to the softer body: a metal, a polymer or an unnamed material."""
+        softer_material = softest_material(*self._materials)
+        return softer_material is None or softer_material.kind in SLIP_LINE_KINDS
 
     @property
     def _yield_exponent(self) -> InputValue | None:

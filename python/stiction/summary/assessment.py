@@ -330,7 +330,15 @@ def _build_contact_checks(study: Study) -> CheckGroups:
 def _build_status_caveat(status: str, study: Study) -> Caveat:
     """Return the caveat about a result point that has no coefficient, or whose coefficient has no upper limit."""
     other_explanation = "there is no coefficient", f"check how many {study.member_names.plural} have a coefficient"
-    return Caveat(*STATUS_EXPLANATIONS.get(status, other_explanation), "fault")
+    text, remedy = STATUS_EXPLANATIONS.get(status, other_explanation)
+    if status == friction.STATUS_BULK_SHEAR:
+        remedy += _growth_remedy_for_unnamed_materials(study)
+    return Caveat(text, remedy, "fault")
+
+
+def _growth_remedy_for_unnamed_materials(study: Study) -> str:
+    """Return advice for brittle bodies, which slip lines do not describe; empty if the materials are named."""
+    return "" if find_materials(study) else "; for rock, glass or ceramics, use --junction-growth 0"
 
 
 def find_point_caveats(
@@ -570,7 +578,7 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> It
     law = Inputs.from_study(study).friction_law(read_number(point, "mu0"), read_number(point, "tau0"))
     if growth is not None:
         if status != friction.STATUS_BULK_SHEAR:
-            yield from _find_caveats_about_unlimited_friction(point, get_contact_hardness(point, study), law, growth)
+            yield from _find_caveats_about_unlimited_friction(point, study, law, growth)
         return
     effect = law.growth_effect(float(hardness))
     if study.contact.junction_growth is not None or abs(effect) <= NEGLIGIBLE_GROWTH_EFFECT:
@@ -653,11 +661,11 @@ def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingR
 
 
 def _find_caveats_about_unlimited_friction(
-    point: xarray.Dataset, hardness: float, law: friction.FrictionLaw, growth: UncertainInput
+    point: xarray.Dataset, study: Study, law: friction.FrictionLaw, growth: UncertainInput
 ) -> Iterator[Caveat]:
     """Yield a caveat if friction is unlimited for some input samples, or if τ0 is close to the body's strength."""
     law = replace(law, junction_growth=growth.high, uses_slip_lines=growth.uses_slip_lines)
-    strength_ratio = float(law.bulk_strength_ratio(hardness))
+    strength_ratio = float(law.bulk_strength_ratio(get_contact_hardness(point, study)))
     unlimited_fraction = mean_over_directions(point, "fraction_unlimited")
     if unlimited_fraction > MIN_UNLIMITED_SAMPLE_FRACTION:
         text = (
@@ -669,6 +677,8 @@ def _find_caveats_about_unlimited_friction(
         # A smaller load may help: the contacts would yield at the same pressure, but not cover the whole nominal area.
         is_load_limited = not growth.uses_slip_lines and strength_ratio < 1
         remedy = "measure the hardness, and determine μ0 and τ0 with stiction calibrate"
+        if growth.uses_slip_lines:
+            remedy += _growth_remedy_for_unnamed_materials(study)
         yield Caveat(text, remedy + (", or reduce the load" if is_load_limited else ""), severity)
     elif not growth.uses_slip_lines and strength_ratio > NEARLY_BULK_STRENGTH_RATIO:
         text = (

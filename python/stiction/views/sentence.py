@@ -158,7 +158,7 @@ def inputs_text(point: PointSummary, points: Sequence[PointSummary] = ()) -> str
         items.append(f"hardness {format_with_unit(float(hardness), 'GPa')}{_hardness_range_text(study)}")
         if study.contact.indent is not None:
             items.append(contact_hardness_text(points or [point], float(study.contact.indent)))
-        if growth := study.contact.junction_growth:
+        if (growth := study.contact.junction_growth) is not None:
             items.append(junction_growth_text(growth.estimate))
     elif loss := study.contact.area_loss:
         items.append(area_loss_text(study, loss.estimate))
@@ -176,7 +176,9 @@ def inputs_text(point: PointSummary, points: Sequence[PointSummary] = ()) -> str
 
 
 def junction_growth_text(growth: UncertainInput) -> str:
-    """Return a phrase on the junction growth of contacts: by slip-line theory, or with the factor α."""
+    """Return a phrase on the junction growth of contacts: none, by slip-line theory, or with the factor α."""
+    if growth.is_exact and growth.value == 0:
+        return "no junction growth"
     if not growth.uses_slip_lines:
         return f"α = {growth.short_text}"
     ratio_text = growth.text.removeprefix(SLIP_LINE_TEXT).strip() or f"{growth.low:g}..{growth.high:g}"

@@ -194,8 +194,9 @@ def list_caveats(test: xarray.Dataset) -> list[str]:
         if test.attrs.get("body_shears_first") and at_hardness > MIN_LOAD_FRACTION_AT_HARDNESS:
             limit = format_significant(2 / CENTRAL_SHEAR_RATIO, 2)
             caveats.append(
-                "The peak may be too high: by slip lines, as in pair, asperities at their strength shear before they "
-                f"slide, at a coefficient of about {limit}. Repeat the test with --mu0 {limit} and no --tau0."
+                "For metal, the peak may be too high: by slip lines, as in pair, asperities at their strength shear "
+                f"before they slide, at a coefficient of about {limit}. Repeat the test with --mu0 {limit} and no "
+                "--tau0. For rock, this limit does not hold."
             )
         contact_count = round(float(test["contact_count"][peak]))
         contact_text = "one contact carries" if contact_count == 1 else f"{contact_count} contacts carry"
