@@ -17,12 +17,14 @@ from stiction.study.members import read_measured_bodies
 from stiction.summary.evaluation import Evaluation
 from stiction.summary.joint_table import STIFFNESS_OVER_MEASURED_STIFFNESS, build_joint_table
 from stiction.views.files import summary_csv
+from stiction.views.rows import summary_table
 from support.command import assert_rejected, call_stiction, check_stiction
 
 pytestmark = pytest.mark.usefixtures("no_companion_files")
 
 ROOT = Path(__file__).parents[2]
 SAMPLE_SCANS = ROOT / "examples/scans"
+CONDITION_OF_MODEL_ERROR = "two mated rock fractures of 86 mm at 1 to 9.8 MPa; unknown for other faces and pressures"
 # Units of length (in µm) and stress (in GPa) of each unit system.
 UNIT_SYSTEMS = {"mm,N,MPa": (1e3, 1e-3), "m,N,Pa": (1e6, 1e-9), "um,mN,GPa": (1.0, 1.0)}
 NUM_POSITIONS = 8
@@ -143,7 +145,7 @@ def test_joint_table_assesses_the_coefficient_at_each_pressure(result, directory
     assert {"Do not quote", "Quote with care"} <= set(expected)
     assert [row.assessment for row in table.rows] == expected
     frame = pandas.read_csv(io.StringIO(export_text(result, directory / "joint.csv", joint=True)))
-    assert frame["assessment"].tolist() == expected
+    assert frame["assessment of mu_s"].tolist() == expected
     card_lines = export_text(result, directory / "joint.inp", joint=True).splitlines()
     rows = [line.rsplit("; ", 1)[1] for line in card_lines if line.endswith(("; Do not quote", "; Quote with care"))]
     assert rows == expected
@@ -194,7 +196,7 @@ def test_csv_file_of_a_joint_table_contains_every_number_of_the_table(result, di
         if not np.isnan(number)
     ]
     in_rows = {f"{value:.9g}" for value in values}
-    model_errors = {"0.45 to 1.19 times the measured stiffness", "not validated"}
+    model_errors = {f"0.45 to 1.19 times the measured stiffness ({CONDITION_OF_MODEL_ERROR})", "not validated"}
     assert cells - in_rows - model_errors == {"0", "1", "combined", "prediction", "Do not quote", "Quote with care"}
     assert in_rows <= cells
     assert len(frame) == len(table.rows)
@@ -398,20 +400,27 @@ def test_exported_joint_files_state_the_error_of_the_model_and_from_which_pressu
     )
     assert frame["closure counted from (MPa)"].unique().tolist() == [20]
     (error,) = frame["stiffness of closure: model error (not in the interval)"].unique()
-    assert error == "0.45 to 1.19 times the measured stiffness"
+    assert error == f"0.45 to 1.19 times the measured stiffness ({CONDITION_OF_MODEL_ERROR})"
     assert frame["tangential stiffness: model error (not in the interval)"].unique().tolist() == ["not validated"]
     record = json.loads(export_text(result, directory / "joint.json", joint=True, load=["20 MPa", "80 MPa"]))
     assert (record["closure_from"]["value"], record["closure_from"]["unit"]) == (0, "MPa")
     errors = {error["name"]: error["computed_over_measured"] for error in record["model_errors"]}
     assert errors == {"closure_stiffness": [0.45, 1.19], "tangential_stiffness_per_area": None}
+    assert record["model_errors"][0]["evidence"] == CONDITION_OF_MODEL_ERROR
     assert "(80 MPa)" in record["sentence"]  # the load of the table that is nearest to the load of the pair
     card = " ".join(re.sub("(?m)^# ", "", export_text(result, directory / "card.liggghts")).split())
     for words in (
-        "0.45 to 1.19 times the measured stiffness",
+        f"0.45 to 1.19 times the measured stiffness ({CONDITION_OF_MODEL_ERROR})",
         "This stiffness is not validated",
         "since first contact",
     ):
         assert words in card
+
+
+def test_table_of_a_pair_names_the_stiffness_that_a_joint_model_takes_as_k_n(result):
+    stiffness = result.at()["closure_stiffness"].sel(statistic="mean").values.ravel()[0]
+    column = summary_table(result.summary())["stiffness of closure k_n (MPa/mm)"]
+    assert float(column.iloc[0]) == pytest.approx(float(stiffness), rel=1e-3)
 
 
 def test_stated_error_of_the_model_covers_the_errors_of_the_measured_fractures():

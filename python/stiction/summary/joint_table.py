@@ -37,9 +37,10 @@ by less than 0.1 %.
 STIFFNESS_OVER_MEASURED_STIFFNESS = (0.45, 1.19)
 """Smallest and largest ratio of computed to measured stiffness of closure, which estimates the error of the model.
 
-These are tangent stiffnesses of two rock fractures from 1 to 9.8 MPa, see docs/explanation/experiments.md. No other
-joint has been compared.
+These are tangent stiffnesses under the conditions of `EVIDENCE_OF_MODEL_ERROR`, see docs/explanation/experiments.md. No
+other joint has been compared.
 """
+EVIDENCE_OF_MODEL_ERROR = "two mated rock fractures of 86 mm at 1 to 9.8 MPa; unknown for other faces and pressures"
 MAX_LOAD_ROUND_OFF = 1e-9
 MIN_PREDICTION_POSITIONS = 3
 # The materials of two bodies count as similar below this value of Dundurs' second constant β.
@@ -342,8 +343,8 @@ def describe_closure_start(start_pressure: Estimate) -> str:
 
 
 MODEL_ERROR_NOTE = (
-    "The intervals do not include the error of the model: for two measured rock fractures, the computed stiffness of "
-    "closure is {} to {} times the measured stiffness from 1 to 9.8 MPa; no other joint has been compared."
+    "The intervals do not include the error of the model: the computed stiffness of closure is {} to {} times the "
+    f"measured stiffness ({EVIDENCE_OF_MODEL_ERROR})."
 ).format(*STIFFNESS_OVER_MEASURED_STIFFNESS)
 """Sentence on the error of the model, in every file with closures and stiffnesses of a joint."""
 

@@ -10,7 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 from stiction._core import __version__
 from stiction._estimate import MAX_SIGNIFICANT_DIGITS, Estimate, estimate_column_titles
-from stiction.summary.joint_table import JOINT_TITLES, STIFFNESS_OVER_MEASURED_STIFFNESS, describe_negative_closures
+from stiction.summary.joint_table import (
+    EVIDENCE_OF_MODEL_ERROR,
+    JOINT_TITLES,
+    STIFFNESS_OVER_MEASURED_STIFFNESS,
+    describe_negative_closures,
+)
 from stiction.views.json_record import record_json
 from stiction.views.spreadsheet import frame_to_csv
 
@@ -29,7 +34,7 @@ _ASCII_REPLACEMENTS = {
 
 MODEL_ERROR_COLUMNS = {
     "stiffness of closure: model error (not in the interval)": (
-        "{} to {} times the measured stiffness".format(*STIFFNESS_OVER_MEASURED_STIFFNESS)
+        "{} to {} times the measured stiffness ({})".format(*STIFFNESS_OVER_MEASURED_STIFFNESS, EVIDENCE_OF_MODEL_ERROR)
     ),
     "tangential stiffness: model error (not in the interval)": "not validated",
 }
@@ -38,7 +43,7 @@ MODEL_ERROR_COLUMNS = {
 MODEL_ERRORS = [
     {
         "name": "closure_stiffness", "computed_over_measured": list(STIFFNESS_OVER_MEASURED_STIFFNESS),
-        "in_interval": False, "evidence": "two rock fractures, 1 to 9.8 MPa",
+        "in_interval": False, "evidence": EVIDENCE_OF_MODEL_ERROR,
     },
     {
         "name": "tangential_stiffness_per_area", "computed_over_measured": None, "in_interval": False,
@@ -74,7 +79,7 @@ def joint_frame(table: JointTable) -> pandas.DataFrame:
             columns[f"{title}: kind"] = [estimate.kind for estimate in estimates]
     constant_columns = {closure_start_title(table.closure_from): table.closure_from.value, **MODEL_ERROR_COLUMNS}
     columns |= {title: [cell] * len(table.rows) for title, cell in constant_columns.items()}
-    columns["assessment"] = [row.assessment for row in table.rows]
+    columns["assessment of mu_s"] = [row.assessment for row in table.rows]
     columns["computed"] = [int(row.is_computed) for row in table.rows]
     return pandas.DataFrame(columns)
 
