@@ -163,7 +163,7 @@ def predict_coefficient(result: MemberSums, load: float, strength: InterfaceStre
 
 
 def _evaluate_with_interface_strength(result: MemberSums, load: float, strength: InterfaceStrength) -> Floats:
-    """Return the friction coefficient and combined interval that a pair has with an interface, at one load (mN)."""
+    """Return a pair's friction coefficient and its combined interval, for a given interface strength and load (mN)."""
     fit, study = strength.fits[0], result.study
     mu0, tau0 = round_median_strength(strength)
     changes: dict[str, Any] = {"friction.interface": None, "friction.mu0": [mu0], "friction.tau0": [f"{tau0!r} GPa"]}
@@ -186,7 +186,7 @@ def _evaluate_with_interface_strength(result: MemberSums, load: float, strength:
 def _add_own_uncertainty(
     at: xarray.Dataset, result: MemberSums, *, budget: bool, tests: bool, strength: InterfaceStrength | None = None
 ) -> xarray.Dataset:
-    """Add combined intervals and the uncertainty budget for one preparation of the scans to a dataset.
+    """Return a dataset with combined intervals and an uncertainty budget added, for one preparation of the scans.
 
     If given, `strength` replaces the interface of the study.
     """
@@ -340,7 +340,7 @@ def _label_interface(study_inputs: Inputs, joint_samples: JointSamples) -> str:
 
 
 def find_slope_drifts(attributes: Mapping[str, Any]) -> dict[str, float]:
-    """Return, for bodies with a single scan, the standard deviation of ln(rms slope of the gap) due to roughness drift.
+    """Return the standard deviation of ln(rms gap slope) due to roughness drift along a scan, for bodies with one scan.
 
     The keys name the body with a single scan: upper scans or lower scans. The slope at another place on a body is
     assumed to differ by as much as the slopes at the two ends of the scan.

@@ -331,7 +331,7 @@ class CombinedIntervals:
     # ---- Friction ----------------------------------------------------------------------------------------------------
 
     def estimate_zero_coefficient(self) -> tuple[float, float, float]:
-        """Return coefficient and 95 % limits if the friction coefficient is 0 at the central inputs, or NaN otherwise.
+        """Return a zero friction coefficient and its 95 % limits; NaN if it is not zero, or if mu0 and tau0 are exact.
 
         Relative errors of such a coefficient are undefined. Therefore, the interval is computed from samples of mu0 and
         tau0. It contains the coefficient and the interval of its mean, and its lower limit is at least 0. The result is
@@ -457,7 +457,7 @@ class CombinedIntervals:
     # ---- Other quantities --------------------------------------------------------------------------------------------
 
     def widen_quantity_intervals(self, estimates: Mapping[str, Floats]) -> dict[str, Floats]:
-        """Replace the intervals of contact quantities by wider intervals, which also cover uncertain inputs.
+        """Replace the intervals of contact quantities by wider ones that include the effect of uncertain inputs.
 
         `estimates` contains the mean and the interval of the mean of each quantity, by name. An interval that cannot be
         computed stays an interval of the mean.
@@ -527,7 +527,7 @@ class CombinedIntervals:
 
     @property
     def _coverages(self) -> list[float]:
-        """Fractions of samples, such as 0.95, that intervals contain: one fraction for each entry in `strengths`."""
+        """Coverage of each interval, one per entry in `strengths`: the fraction of samples inside it, such as 0.95."""
         return [each.coverage for each in self.strengths] or [INTERVAL_COVERAGE]
 
     @property
@@ -539,7 +539,7 @@ class CombinedIntervals:
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, factor: Floats | float = 1.0,
         drift_factor: float = 1.0,
     ) -> list[tuple[Floats, Floats]]:  # fmt: skip
-        """Return samples of the friction coefficient and its upper limit: one pair of arrays per entry in `strengths`.
+        """Return, for each set of (mu0, tau0) samples, an array of friction coefficients and an array of upper limits.
 
         All samples are multiplied by `factor`.
         """
@@ -746,7 +746,7 @@ def _interpolate_quantile(probability: float, values: NDArray[Any]) -> float:
 
 
 def extend_percentiles(percentiles: Floats, other_percentiles: Iterable[Floats]) -> Floats:
-    """Lower the low percentiles and raise the high percentiles of the coefficient to enclose those of other samples.
+    """Lower low and raise high percentiles of the friction coefficient to enclose all of `other_percentiles`.
 
     The median, and missing percentiles, are kept. NaN in the other percentiles is ignored.
     """

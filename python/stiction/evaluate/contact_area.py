@@ -1,4 +1,4 @@
-"""True contact area of a pair as a function of the load, the hardness, E* and the exponent for yielding contacts.
+"""True contact area of a pair as a function of the load, the hardness, E* and the exponent of the yield model.
 
 Elastic areas at all loads suffice for this: the area of contacts that yield follows from the elastic area at the same
 load, and by similarity, the elastic area at (F, e E*) equals the area at (F/e, E*). The *capped area* is that of the
@@ -260,7 +260,7 @@ def compute_onset_area_and_friction_factors(
 
 
 def _estimate_contact_depths(result: MemberSums) -> Floats | None:
-    """Return the depth (µm) of an indentation with the mean area of a contact, for each cutoff and each loading step.
+    """Return the depth (µm) of an indentation as large as the average contact, for each cutoff and each loading step.
 
     Returns None if the depth of the indentation that measured the hardness is unknown. The contacts have the true area
     at the measured hardness.
@@ -276,7 +276,7 @@ def _estimate_contact_depths(result: MemberSums) -> Floats | None:
 
 
 def _average_contact_loads(result: MemberSums) -> Floats | None:
-    """Return the load (mN) plus the attraction, averaged over members, as an array (cutoffs, loading steps)."""
+    """Average the contact load (mN, external load plus attraction) over members, for each cutoff and loading step."""
     if "contact_load" not in result.head.variables:
         return None
     return np.asarray(result.means(["contact_load"])["contact_load"].transpose("cut_off", "load").values)

@@ -66,7 +66,7 @@ class LoadCrossings:
 
     @classmethod
     def from_curves(cls, curve: Floats, loads: Floats, *, interpolates_ratio: bool = False) -> LoadCrossings:
-        """Find the positions on load curves at which each curve first reaches each requested load, between two steps.
+        """Find the first crossing of each load curve with each requested load, as a position between two loading steps.
 
         The curves have the shape (..., k), and the loads have the shape (l,). With `interpolates_ratio`, the ratio of a
         quantity to the load is interpolated over the logarithm of the load. A load between two steps is then reached
@@ -99,7 +99,7 @@ class LoadCrossings:
         return cls(index, fraction, reached, ~reached & is_at_least_load[..., 0, :])
 
     def without_crossings_after_nan(self, curve: Floats, loads: Floats) -> LoadCrossings:
-        """Remove each crossing that follows a NaN in `curve`, unless the curve equals the load at the next step."""
+        """Return a copy without crossings just after a NaN in `curve`, unless the next value is the requested load."""
         value_before, value_at_crossing = self._get_bracketing_values(curve)
         return replace(self, reached=self.reached & (np.isfinite(value_before) | (value_at_crossing == loads)))
 
@@ -381,7 +381,7 @@ def _fit_slopes(quantities: Sequence[Floats], normal: Floats, index: NDArray[np.
     count = is_inside.sum(axis=1, keepdims=True)
 
     def compute_deviations(curves: Floats) -> Floats:
-        """Return each curve minus its mean over the loading steps of the fit, and 0 outside these steps."""
+        """Return each curve minus its mean over the fitted loading steps, padded with 0 after the last step."""
         values = np.where(is_inside, np.take_along_axis(curves, window_indices, axis=1), 0.0)
         return np.where(is_inside, values - values.sum(axis=1, keepdims=True) / count, 0.0)
 
@@ -430,7 +430,7 @@ def interval_around_mean(mean: ArrayLike, half_width: ArrayLike, is_signed: Arra
 
 @lru_cache(maxsize=32)
 def _compute_mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
-    """Return the constants that determine the interval of a mean of `count` values, if neighbours are correlated.
+    """Return constants for the interval of a mean of `count` values, at several trial correlations of adjacent values.
 
     With the correlation matrix R of the values, the constants are 1' R^-1 1, the variance of the mean relative to that
     of a value, and the two-sided 95 % quantile and the peak density of Student's t distribution.

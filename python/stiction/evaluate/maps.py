@@ -434,7 +434,7 @@ def _reshape_curves(curve_table: NDArray[Any], shape: tuple[int, ...]) -> NDArra
 
 
 def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension: str) -> list[ContactSums]:
-    """Return the sums of forces and areas over contacts for each member, then one set of sums for each named quantity.
+    """Return sums of forces and areas over each member's contacts, then the sums that determine each named quantity.
 
     The first axes of each sum are sliding rule and direction. If a quantity is stored directly, it replaces the area in
     the returned sums.

@@ -371,7 +371,7 @@ def _grow_contacts(
 def _compute_opposing_fraction(
     piece: xarray.Dataset, member_dims: tuple[str, ...], contact_sums: Mapping[str, Floats]
 ) -> dict[str, Any]:
-    """Return a dictionary with the fraction of the load on contacts whose slopes oppose the motion.
+    """Return, in a dictionary, the fraction of the load that acts on contacts whose slopes oppose the motion.
 
     The dictionary is empty unless the result has both sliding rules.
     """
@@ -447,7 +447,7 @@ _STIFFNESS_NAMES_BY_DISPLACEMENT = {
 def _interpolate_displacements_and_stiffnesses(
     piece: xarray.Dataset, member_dims: tuple[str, ...], load_crossings: LoadCrossings, variables: dict[str, Any]
 ) -> None:
-    """Interpolate displacements δ and stiffnesses between computed loads F, so that the loading stiffness is dF/dδ.
+    """Interpolate displacements δ and stiffnesses between computed loads F; keep the loading stiffness equal to dF/dδ.
 
     Between two computed loads, a displacement is the cubic in the logarithm of the load that has the stored
     displacements and stiffnesses. The loading stiffness is the inverse of the slope of this cubic. The unloading
@@ -536,7 +536,7 @@ def _determine_member_status(piece: xarray.Dataset, loads: Floats, forces: _Memb
 def _find_load_crossings(
     piece: xarray.Dataset, loads: Floats, names: Sequence[str] = LOAD_SUM_NAMES
 ) -> tuple[dict[str, Floats], LoadCrossings]:
-    """Return the sums of forces and areas over contacts, and where the load curves reach the requested loads."""
+    """Return sums of forces and areas over contacts, and the crossings of the load curves with the requested loads."""
     step_dimension = find_step_dimension(piece)
     member_dims = (*find_cell_dimensions(piece), "repetition")
     # Variables of xarray are much faster to access than data arrays, because variables have no coordinates.

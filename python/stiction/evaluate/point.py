@@ -192,7 +192,7 @@ def mean_over_directions(point: xarray.Dataset, name: str) -> float:
 
 
 def find_contact_status(point: xarray.Dataset, study: Study) -> str:
-    """Return the status of the contact area: "ok", "complete" (half-space model) or "above-nominal" (asperities)."""
+    """Return the contact area status: "ok", "complete" (half-space model) or "above-nominal" (asperity model)."""
     if "contact_status" in point:
         return str(point["contact_status"].values)
     is_above_nominal = mean_over_directions(point, "contact_area_fraction") > 1

@@ -267,7 +267,7 @@ class ContactResponseToInputs:
         )
 
     def stiffness_ratios(self, inputs: InputValues, area_before_shear: Floats) -> tuple[Floats, ...]:
-        """Return the factors by which given inputs, compared with the central inputs, change four stiffnesses.
+        """Return loading, unloading and both closure stiffnesses, each divided by its value at the central inputs.
 
         If E*, heights and hardness change by a common factor, the stiffness follows by similarity from the stiffness at
         the load divided by this factor. Any other change of the hardness acts through the true area. The stiffness
@@ -336,5 +336,5 @@ class ContactResponseToInputs:
         return np.asarray(inputs.height_factor * closure / central_closure)
 
     def at_central_inputs(self, **changes: Any) -> ResponseValues:
-        """Return all quantities of the contact for inputs that are central, except for the inputs in `changes`."""
+        """Return all quantities of the contact. All inputs except those in `changes` have their central values."""
         return self.evaluate(replace(self.central, **changes))

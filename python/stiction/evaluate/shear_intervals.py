@@ -113,7 +113,7 @@ def draw_shear_samples(
 
 @dataclass(frozen=True)
 class ContactVariation:
-    """Ratio by which a shear test changes one contact input, such as the hardness, from its central value."""
+    """Change of one contact input, such as the hardness, in a shear test: name, and ratio of new to central value."""
 
     name: str
     ratio: float
@@ -137,7 +137,7 @@ def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariati
 
 
 class _SampledCurves:
-    """Curves of a shear test for each input sample, interpolated between the computed tests with different inputs.
+    """Curves of a shear test for each input sample, interpolated between shear tests computed with different inputs.
 
     The curves are linear in the logarithm of the input. The effects of two inputs are added. `has_no_solution` is True
     for samples near a limit at which the contact has no solution, with the shape (samples, displacements). A sample is
@@ -313,7 +313,7 @@ def add_shear_intervals(
 
 
 def _open_lower_limits(test: xr.Dataset, limits: Mapping[str, Floats], varied_tests: Sequence[xr.Dataset]) -> None:
-    """Set lower limits of friction to 0 in place where the shear test at a limit of an input has no solution.
+    """Set lower limits of friction in `limits` to 0 where a shear test with an input at its limit has no solution.
 
     If the faces lock at the limit of the input, lower limits are unchanged, because locking only raises the friction.
     """
