@@ -13,7 +13,7 @@ from stiction._units import Quantity, quantity, quantity_in_core_units, short_re
 
 
 def split_values(value: Any) -> list[Any]:
-    """Split the argument `value` into a flat list: a text at its commas, and a list into its elements.
+    """Split an argument into a flat list of items: a text at its commas, and also every text in a list.
 
     A text is split at its commas. A one-dimensional list is returned with its texts split. Any other argument is the
     only item.
@@ -40,7 +40,7 @@ def _split_required_values(name: str, value: Any) -> list[Any]:
 
 
 def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
-    """Parse an argument as a quantity of a kind, such as "pressure". A number without a unit is in core units."""
+    """Parse an argument as a quantity of a kind, such as "pressure". A bare number is in core units (µm, GPa, mN)."""
     try:
         return (
             quantity(value, kind)

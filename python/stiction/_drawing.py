@@ -65,7 +65,7 @@ def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats
 
 
 def draw_scan_comparison(ax: Axes, comparison: Any) -> Axes:
-    """Draw the rms height that two scans have in common, and the rms noise of one scan, for each wavelength octave."""
+    """Draw, for each wavelength octave, the rms height common to two scans and the rms noise of a single scan."""
     for name, style, label in (("common", "o-", "in both"), ("noise", "s--", "noise of one")):
         heights = 1000 * getattr(comparison, name)
         ax.loglog(
@@ -228,7 +228,7 @@ def _draw_profile_contact_pressure(ax: Axes, pressure: Floats, heights: Floats, 
 def draw_onset(
     ax: Axes, load: Floats, displacement: Floats, slipped_area: Floats, *, sliding_load: float, stiffness: float
 ) -> Axes:
-    """Draw the tangential load over the displacement or, for infinite displacements, over the slipped area fraction."""
+    """Plot tangential load against displacement or, if displacements are infinite, against slipped area fraction."""
     has_displacement = bool(np.isfinite(displacement).all())
     abscissa = displacement if has_displacement else slipped_area
     axis_label = "slipped fraction of the area"

@@ -150,7 +150,7 @@ class Estimate:
         return replace(self, lower=lower, upper=upper)
 
     def text(self, digits: int = 2) -> str:
-        """Return value and interval as text, in which half the interval width has `digits` significant digits.
+        """Return value and interval as text, rounded so that half the interval width has `digits` significant digits.
 
         The number has up to four significant digits; without an interval, it has two digits if `digits` is 1, and
         otherwise up to three. The interval is omitted if both limits are equal after rounding. The text is "none" if

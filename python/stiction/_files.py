@@ -132,7 +132,7 @@ def new_partial_file_name() -> str:
 
 
 class DirectoryClaim:
-    """Claim that reserves a directory for one run, by a file that exists until the `with` block ends.
+    """Claim that reserves a directory for one run by means of a file, which is deleted when the `with` block ends.
 
     A thread refreshes the file, because other machines ignore a claim that is older than `MAX_PARTIAL_FILE_AGE`. If the
     process is killed, the file stays and becomes stale, so that it does not lock the directory.

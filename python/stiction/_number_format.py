@@ -129,7 +129,7 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
 
 
 def _choose_item_by_size(value: float, items: Sequence[_Item]) -> _Item:
-    """Return the first item whose first number does not exceed the absolute value of `value`; count 0 and NaN as 1."""
+    """Return the first item whose first element is at most |value| after rounding; count a value of 0 or NaN as 1."""
     size = 1.0 if value == 0 or math.isnan(value) else abs(value)
     return next(item for item in items if size >= MIN_NUMBER_ROUNDED_TO_ONE * item[0])
 

@@ -167,7 +167,7 @@ def describe_figure_axes(figure: Any) -> str:
 
 
 def render_png(figure: Any) -> bytes:
-    """Return a Matplotlib figure as PNG bytes. Figures of one column have 1.5 times the resolution of wider figures."""
+    """Render a Matplotlib figure as PNG bytes, with 1.5 times the resolution if the figure is only one column wide."""
     buffer = io.BytesIO()
     is_narrow = figure.get_size_inches()[0] <= MAX_ONE_COLUMN_WIDTH
     write_png(figure, buffer, dpi=1.5 * NOTEBOOK_IMAGE_DPI if is_narrow else NOTEBOOK_IMAGE_DPI)

@@ -335,7 +335,7 @@ def _create_directory(directory: Path) -> None:
 
 
 def _warn_about_other_steps(directory: Path, key: str) -> None:
-    """Warn about stored steps of a shear test that had other inputs, another stiction version or another machine."""
+    """Warn about stored shear-test steps that come from other inputs, another stiction version or another machine."""
     names = [printable_path(path) for path in find_steps_with_other_keys(directory, 0, key)]
     if names:
         warn_caller(
@@ -524,7 +524,7 @@ def _build_shear_box(
     upper: Any, lower: Any, contact: MeasuredPair, *, load: Any, direction: Any, normal_stiffness: Any, boundary: Any,
     tilt: Any, level: Any, register: Any, tolerance: float,
 ) -> tuple[ShearBox, Registration | None]:  # fmt: skip
-    """Check the arguments of a shear test, and return its shear box with the registration of the two faces."""
+    """Check the arguments of a shear test. Return its shear box and, if requested, the registration of its faces."""
     is_profile = isinstance(lower, Profile)
     if isinstance(upper, Profile) != is_profile:
         raise ValueError(

@@ -355,7 +355,7 @@ def _read_shear_test(record: str) -> dict[str, Any]:
 
 
 def _read_reported_point(record: str) -> dict[str, Any]:
-    """Return the first result point that is marked as reported in the JSON record of a pair, for display in the app.
+    """Return the first result (for one load, mu0 and tau0) that is marked as reported in the JSON record of a pair.
 
     If the record has no result points, its remark is raised as an error.
     """

@@ -20,7 +20,7 @@ from stiction.views.rows import point_record, summary_json
 
 
 def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
-    """Return the study from which the app computes a quick preview of a pair, with the asperity model.
+    """Return the study of the quick preview that the app computes for a pair with the asperity model.
 
     Returns None if there is no preview.
     """

@@ -83,7 +83,7 @@ class _BestFit:
 
 @dataclass(frozen=True)
 class _GridLimits:
-    """Limits of the grids on which probabilities of mu0 and tau0 are computed, one grid for each nuisance sample."""
+    """Limits of the mu0 and tau0 grids on which probabilities are computed: one grid per nuisance-parameter sample."""
 
     # R of the QR decomposition of the test equations at each nuisance point, with the shape (points, 3, 3).
     triangular_factors: Floats
@@ -218,7 +218,7 @@ class CalibrationProblem:
         )
 
     def _compute_run_offset_vectors(self, central_coefficients: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Return the change of the residuals due to a friction offset in each test run, as unit vectors and norms.
+        """Return how relative friction offsets in test runs shift the residuals: unit vectors, and norms of the shifts.
 
         The unit vectors have the shape (runs, tests). The norms, with the shape (runs,), are in units of the errors.
         Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would bias
@@ -293,7 +293,7 @@ class CalibrationProblem:
     def _compute_residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-        """Return the residuals of tests in which the pair slid, divided by the test errors, and the coefficients.
+        """Return residuals of tests in which the pair slid, divided by the test errors, and equation coefficients.
 
         The residuals have the shape (points, tests that slid, ...), and are infinite at seizure. The coefficients
         include junction growth. mu0 and tau0 (GPa) have the shape (points, ...).
@@ -345,7 +345,7 @@ class CalibrationProblem:
             return strength
 
         def residuals_with_growth(points: Floats) -> Floats:
-            """Return the residuals of the tests for each row of fit parameters, including junction growth."""
+            """Return the weighted residuals of the tests, with junction growth, for each row of fit parameters."""
             mu0, tau0 = np.transpose([to_strengths(x) for x in points])
             scales = np.full(len(points), error_scale)
             misfit, _ = self._compute_residuals(
@@ -496,7 +496,7 @@ class CalibrationProblem:
         return np.asarray(tau0_coefficient / mu0_coefficient)
 
     def _find_median_area_per_load(self, samples: Floats) -> Floats:
-        """Return the true area per load (1/GPa) of each test: the median of `samples` if shear enlarges contacts.
+        """Return the true area per load (1/GPa) of each test; with junction growth, it is the median of `samples`.
 
         Without growing contacts, A/F at the central inputs is returned. With friction at opposing contacts only, the
         friction of these contacts is higher than the measured coefficient, for which `area_per_load` is computed. The
@@ -817,7 +817,7 @@ class CalibrationProblem:
     def _draw_nuisance_points(
         self, mean: Floats, covariance: Floats, active_indices: list[int], count: int, seed: int = 0
     ) -> tuple[Floats, _ProbabilityGrid, Floats]:
-        """Sample nuisance parameters, and return their samples, a grid of mu0 and tau0 for each, and log-weights."""
+        """Sample nuisance parameters. Return the samples, with a mu0-tau0 grid and a log-weight for each sample."""
         from scipy.special import gammaincinv, ndtri
 
         points = np.zeros((count, len(self.nuisances) + 1))
@@ -968,7 +968,7 @@ def _compute_triangular_factors(rows: Floats) -> Floats:
 
 
 def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: float) -> tuple[Floats, Floats]:
-    """Return the range of tau0 (GPa) in which the density of tau0 with its best-fitting mu0 is not negligible."""
+    """Return the tau0 range (GPa) in which the probability density at the best mu0 for each tau0 is not negligible."""
     first_row, second_row = triangular_factors[:, 0], triangular_factors[:, 1]
     # At mu0 = 0, -2 ln(density) is a quadratic function of tau0, and `curvature` is the coefficient of tau0².
     curvature = second_row[:, 1] ** 2 + first_row[:, 1] ** 2

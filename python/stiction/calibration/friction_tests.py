@@ -1,4 +1,4 @@
-"""Friction tests: sums of forces and areas over the contacts per load, and uncertainty of the true contact area."""
+"""Friction tests: forces and areas summed over contacts, divided by the load, and uncertainty of the true area."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ class Ball:
             raise ArgumentError("{area_loss} {why}", why=str(error)) from None
 
     def __repr__(self) -> str:
-        """Return a constructor call, as text, that creates an equal ball with the same uncertain arguments."""
+        """Return the text of a constructor call that creates an equal ball, including its uncertain arguments."""
         direct_modulus = self.moduli.effective_modulus
         arguments = {
             "radius": self.radius, "effective_modulus": None if direct_modulus is None else direct_modulus.text,
@@ -151,7 +151,7 @@ class AreaFactor:
         return None
 
     def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return two factors at the onset of sliding: for the computed area, and for the friction mu0 F + tau0 A.
+        """Return two ratios at the onset of sliding: true area A to computed area, and friction to mu0 F + tau0 A.
 
         `samples` are samples of the inputs. The junction growth of the test replaces that of the law. At seizure the
         area is infinite, or the nominal area if tau0 is 0.
@@ -173,7 +173,7 @@ class _FrictionTestSums:
 
 @dataclass(frozen=True)
 class _BallAreaFactor(AreaFactor):
-    """Area factor of a ball test: contact area at the onset of sliding divided by the Hertz area at the central E*.
+    """Area factor of a ball test: contact area at onset of sliding divided by Hertz area for the central value of E*.
 
     The contact area of a ball is proportional to E*^(-2/3).
     """
@@ -189,7 +189,7 @@ class _BallAreaFactor(AreaFactor):
         return cls(inputs, f"ball {ball.radius:g}", ball.moduli, float(loss))
 
     def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return the factor for the contact area at the onset of sliding, and the friction factor, which is 1."""
+        """Return two ratios at the onset of sliding: area A to Hertz area, and 1 for friction to mu0 F + tau0 A."""
         area = np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
         return area * (1 - samples.get("area_loss", np.asarray(self.area_loss))), np.ones(())
 
@@ -226,7 +226,7 @@ class _AreaFactorFromResult(AreaFactor):
         return self.study_inputs.estimate("junction_growth")
 
     def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return two factors at the onset of sliding: for the computed area, and for the friction mu0 F + tau0 A.
+        """Return two ratios at the onset of sliding: true area A to computed area, and friction to mu0 F + tau0 A.
 
         `samples` are samples of the inputs. The junction growth of the test replaces that of the law. At seizure the
         area is infinite, or the nominal area if tau0 is 0.
@@ -435,7 +435,7 @@ def evaluate_test_sums(test: FrictionTest, sliding: SlidingRule) -> _FrictionTes
 
 
 def _interpolate_sums_per_load(curve: FrictionCurve, load: float) -> _FrictionTestSums:
-    """Return sums of forces and areas over contacts, per elastic load, interpolated from a curve at a load (mN)."""
+    """Interpolate a curve's sums of forces and areas over contacts, divided by the elastic load, at a load (mN)."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
         range_text = f"{loads.min():g} to {loads.max():g} mN"

@@ -26,14 +26,14 @@ BALL_YIELD_PRESSURE_RATIO = 0.39
 
 
 class PlannedTests(NamedTuple):
-    """Plan of further friction tests, and the coefficient of a pair with the 95 % interval expected after the tests."""
+    """Plan of friction tests (text), and a pair's coefficient with the 95 % interval expected after the tests."""
 
     text: str
     coefficient: ValueWithLimits
 
 
 class PlanConditions(NamedTuple):
-    """Assumptions about further friction tests: their number, relative error and hardness, and A/F in ball tests."""
+    """Assumptions about further friction tests: number, relative error, hardness, and area per load of ball tests."""
 
     num_tests: int
     # Median error of the present tests, or `DEFAULT_RELATIVE_ERROR`.
@@ -88,7 +88,7 @@ def _compute_areas_per_load_of_ball_tests(area_per_load: float, count: int, hard
 
 
 def list_area_plans(area_per_load: float, count: int, hardness: float = math.nan) -> Iterator[tuple[str, Floats]]:
-    """Yield the description of each plan of tests that separates mu0 from tau0, with A/F (1/GPa) of each test.
+    """Yield plans of tests that separate mu0 from tau0: a description, and the true area per load (1/GPa) of each test.
 
     `area_per_load` and `count` are the mean true area per load (1/GPa) and the number of the present tests. `hardness`
     is that of the bodies (GPa), or NaN if it is unknown. A finish whose contacts would yield is left out.
@@ -110,7 +110,7 @@ def _count_tests(count: int) -> str:
 
 
 def plan_tests(interface: Interface, result: Any, load: float | str) -> tuple[PlannedTests, ...]:
-    """Return plans of further friction tests, sorted by the width of the interval that a pair would have after them.
+    """Return plans of further friction tests, sorted by the expected interval width of a pair's friction coefficient.
 
     Parameters
     ----------
@@ -196,7 +196,7 @@ def _limit_to_interval(planned: ValueWithLimits, present: ValueWithLimits) -> Va
 
 
 def _reweight(fit: StrengthFit, areas_per_load: Floats, expected: Floats, error: Floats) -> StrengthFit:
-    """Select samples of mu0 and tau0 by how probable they make the expected results of planned friction tests.
+    """Resample mu0 and tau0 with weights equal to the likelihood of the expected results of planned friction tests.
 
     The planned tests have the given true areas per load (1/GPa), expected coefficients and standard errors.
     """

@@ -110,7 +110,7 @@ class Interface(InterfaceStrength):
         shared_inputs = find_shared_inputs(self, area_factor.inputs, area_factor.surfaces)
 
         def compute_coefficients(fit: StrengthFit) -> tuple[Floats, Floats]:
-            """Return samples of the friction coefficient, and an upper limit (infinite if the softer body shears)."""
+            """Return samples of the friction coefficient and its upper limit (infinite if the softer body shears)."""
             # A parameter that affects both the tests and the prediction has the random samples that the fit has drawn.
             scores = {**independent_scores, **fit.scores}
             law = FrictionLaw(fit.mu0, fit.tau0)

@@ -319,7 +319,7 @@ def _list_output_paths(files: list[Path], output: Path | None, *, together: bool
 
 
 def _select_row_or_column(body: Profile | Surface, row: int | None, column: int | None) -> Profile | Surface:
-    """Return the chosen row or column of a surface as a profile. If none is chosen, return the body unchanged."""
+    """Return the chosen row or column of a surface as a profile, or `body` unchanged if none is chosen."""
     from stiction.surfaces.profile import Profile
 
     for name, index, other_index in (("row", row, column), ("column", column, row)):

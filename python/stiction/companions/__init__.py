@@ -1,1 +1,1 @@
-"""Additional results of a pair: onset of sliding, scaled heights, several scan cutoffs, and single contacts."""
+"""Further results of a pair: onset of sliding, friction with scaled heights or other cutoffs, and single contacts."""

@@ -235,7 +235,7 @@ def _build_map_picture_dataset(solution: PressedPair, table: ContactList) -> xar
 
 
 def _build_disc_map(lower: Surface, table: ContactList) -> NDArray[Any]:
-    """Return a map in which the number of each contact fills a disc with the position and the area of the contact."""
+    """Return a map in which each contact is a disc at its position, with its area, filled with the contact's number."""
     contact_numbers, (dy, dx) = np.zeros(lower.heights.shape, np.int32), lower.spacing
     for number, (x, y, radius) in enumerate(zip(table.x, table.y, np.sqrt(table.area / np.pi), strict=True), 1):
         first_indices, last_indices = (

@@ -203,7 +203,7 @@ def scale_study_heights(study: Study, factor: float, scaled: ScaledBodies) -> St
 
 
 def find_factor_study(study: Study, path: Path, factor: float, scaled: ScaledBodies) -> CompanionStudy:
-    """Return a study and its directory: a pair in which the heights of the chosen bodies are multiplied by a factor."""
+    """Return the study of a pair with heights of chosen bodies multiplied by a factor, and the study's directory."""
     return CompanionStudy(
         scale_study_heights(study, factor, scaled), path / HEIGHT_SCALE_DIRECTORY / f"{scaled}-{factor:.6g}"
     )

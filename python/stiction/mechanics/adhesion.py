@@ -248,7 +248,7 @@ class AdhesionSolver:
         return _to_adhesion_state(result), bool(result["is_balanced"])
 
     def _start_iteration(self, near: AdhesionState | None) -> _IterationState:
-        """Return the state from which an iteration starts: the state of an interrupted run or, without one, `near`."""
+        """Return the initial state: the stored state of an interrupted iteration, else `near`, else zero attraction."""
         if (state := self.record.read_state()) is not None:
             return _IterationState.from_step_result(state)
         if near is None:
@@ -258,7 +258,7 @@ class AdhesionSolver:
     def _iterate_to_equilibrium(
         self, state: _IterationState, contact_load: Callable[[float], float], max_factor: float
     ) -> Iterator[tuple[AdhesionState, float]]:
-        """Iterate the attraction until the bodies separate; yield contact states and relative attraction changes.
+        """Iterate the attraction; yield contact states and relative attraction changes until the bodies separate.
 
         The contact load (GPa) is a function of the mean attraction. After `NUM_UNACCELERATED_STEPS` plain steps, a step
         is extrapolated as a geometric series with the ratio of the last two changes, limited to `max_factor` times the

@@ -25,7 +25,7 @@ EXTRAPOLATED_WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
 def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
-    """Return the largest factor by which κ = A E* h'/F changes, in 95 % of cases, if the scan becomes finer.
+    """Return the factor by which κ = A E* h'/F (h': rms gradient) changes at most, in 95 % of cases, in a finer scan.
 
     The coefficient κ = A E* h'/F relates the real contact area A to the load F and to the rms gradient h'.
 
@@ -55,7 +55,7 @@ def estimate_gap_hurst_exponent(gap: Profile | Surface, periodic: bool) -> Hurst
 def plastic_wavelength(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, gradient: float, spread: float
 ) -> tuple[float, float, float]:
-    """Return the cutoff (µm) at which a gap has the rms gradient `gradient`, with limits of this cutoff.
+    """Return the cutoff (µm) at which a gap has the rms gradient `gradient`, and lower and upper limits of the cutoff.
 
     The limits follow from the Hurst exponent's interval and from a relative uncertainty of the gradient by the factor
     `spread`. NaN is returned if there is no such wavelength.
@@ -134,7 +134,7 @@ def max_area_for_finer_scans(area: ArrayLike, plastic_area: ArrayLike, contact_c
 def friction_range_for_finer_scans(
     value: float, mu0: float, adhesion: float, contact_count: float, upper: float | None = None
 ) -> tuple[float, float]:
-    """Return the lowest and the highest mu_s that finer scans can give, if contacts yield and all have friction.
+    """Return the lowest and highest mu_s that finer scans can give, if contacts yield and friction acts at all of them.
 
     `value` is mu_s of this scan, and `adhesion` is tau0/H. The upper limit is computed from `value`, or from `upper` if
     given.
