@@ -61,7 +61,7 @@ class UncertainModulus:
 
     @property
     def all_inputs(self) -> dict[str, UncertainInput]:
-        """Elastic constants that were entered, keyed by names such as "effective_modulus" or "young_upper"."""
+        """Given elastic constants, exact or uncertain, keyed by names such as "effective_modulus" or "young_upper"."""
         sides = SIDES[:1] if self.is_one_material else SIDES
         inputs = {
             f"{name}_{side}": body[name]

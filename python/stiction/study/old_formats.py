@@ -26,7 +26,7 @@ MAX_MATERIAL_ROUNDING_ERROR = 0.006
 
 
 def convert_old_study(data: Mapping[str, Any], source: str) -> Mapping[str, Any]:
-    """Convert the sections of an old study file to the current format, and return current sections unchanged.
+    """Convert the sections of a study file to the current format, or return them unchanged if they are up to date.
 
     Raises a `StudyError` if the study contradicts itself.
     """
@@ -92,7 +92,7 @@ def _convert_contact_section(contact: dict[str, Any], known: Mapping[str, Any]) 
 def _replace_effective_modulus(
     contact: dict[str, Any], bodies: Mapping[str, Any], *, is_one_material: bool
 ) -> dict[str, Any]:
-    """Replace E* in an old study file by Young's moduli and Poisson's ratios.
+    """Replace E* in an old study file by Young's moduli and Poisson's ratios, if these give the same E*.
 
     If the moduli and ratios give another E*, the E* of the file is kept, with the range that follows from the ranges of
     the moduli.

@@ -198,7 +198,7 @@ class OptionCondition:
 
 
 def select_body_value(name: str, values: Any, index: int) -> Any:
-    """Return the value of an option for one body: index 0 for the upper, 1 for the lower body.
+    """Return an option's value for one body: index 0 is the upper body, and index 1 the lower body.
 
     A single value applies to both bodies.
     """
@@ -211,7 +211,7 @@ def select_body_value(name: str, values: Any, index: int) -> Any:
 
 
 def make_condition(message: str) -> Callable[[Callable[[PairProperties], bool]], OptionCondition]:
-    """Return a decorator that makes an option condition, with an error message, from a function that tests a pair."""
+    """Return a decorator that turns a predicate of a pair into an `OptionCondition` with the given error message."""
 
     def decorate(is_met: Callable[[PairProperties], bool]) -> OptionCondition:
         return OptionCondition(is_met, message)
@@ -269,7 +269,7 @@ def has_no_spectrum(pair: PairProperties) -> bool:
 
 @make_condition("is for surfaces and surrogates; two profiles are one pair")
 def has_several_line_pairs(pair: PairProperties) -> bool:
-    """Return whether several line pairs are available, from the lines of maps or from surrogates of profiles."""
+    """Return whether several pairs of lines can be pressed: lines of maps, or surrogates of profiles."""
     return not pair.are_profiles or (pair.press_mode == "lines" and pair.has_surrogates)
 
 
@@ -287,7 +287,7 @@ def presses_lines_of_maps(pair: PairProperties) -> bool:
 
 @make_condition("is for the areas of two maps, without {lines}")
 def presses_areas(pair: PairProperties) -> bool:
-    """Return whether whole height maps are pressed, instead of single lines of the maps or surrogates."""
+    """Return whether whole height maps are pressed, instead of surrogates or single lines of the maps."""
     return pair.press_mode == "areas"
 
 
@@ -359,7 +359,7 @@ def has_contact_law_with_yield(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with {hardness}, which determines it")
 def has_free_yield_strength(pair: PairProperties) -> bool:
-    """Return whether a yield strength is allowed: no hardness is given, or the half-space model uses the hardness."""
+    """Return whether a yield strength may be given: the hardness is not given, or is used by the half-space model."""
     return pair.options.hardness is None or "half-space" in pair.contact_models
 
 

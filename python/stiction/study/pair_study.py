@@ -122,7 +122,7 @@ class MeasuredPair:
 
     @classmethod
     def from_values(cls, **values: object) -> MeasuredPair:
-        """Create a measured pair from the values of options, given by field name of `PairOptions`.
+        """Create a measured pair from the values of its options, keyed by field names of `PairOptions`.
 
         Raises an `ArgumentError` if a value is invalid.
         """
@@ -328,7 +328,7 @@ class MeasuredPair:
 
     @cached_property
     def uncertain_inputs(self) -> dict[str, list[InputValue]]:
-        """Inputs of the study for which the user gives an uncertainty, by name."""
+        """Inputs of the study for which the user gives an uncertainty, keyed by name."""
         inputs: dict[str, list[InputValue]] = {}
         for name in INPUT_KINDS:
             texts = [text for text in split_values(self.options.option_value(name)) if text is not None]
@@ -343,7 +343,7 @@ class MeasuredPair:
         return inputs
 
     def _parse_inputs(self, name: str) -> list[InputValue]:
-        """Parse the values of an option, such as mu0, as study inputs.
+        """Parse the values that the user gives for an option, such as mu0, as inputs of the study.
 
         Numbers without a unit are in core units.
         """
@@ -448,7 +448,7 @@ class MeasuredPair:
 
     @property
     def _max_cell_adhesion_force(self) -> float:
-        """Largest adhesive force (mN) on one grid cell: cell area times work of adhesion, divided by the range."""
+        """Largest adhesive force (mN) on a grid cell: cell area × work of adhesion, divided by the adhesion range."""
         num_points = int(np.prod(self._body_attributes.attributes["shape"]))
         spacings = np.atleast_1d(np.asarray(self._body_attributes.attributes["spacing_um"], float))
         work_of_adhesion, adhesion_range_of_study = (
@@ -495,7 +495,7 @@ class MeasuredPair:
 
     @cached_property
     def studies(self) -> list[Study]:
-        """Studies to compute: the study for the result and, if the user requests a check, one with the other model."""
+        """Studies to compute: one for the result and, if a check is requested, one with the other contact model."""
         contact_sections = [self._build_contact_section(mechanics) for mechanics in self.contact_models]
         load_texts = [exact_quantity_text(load, "mN") for load in self._choose_load_steps(contact_sections).tolist()]
         return [self._build_study(contact | {"load": load_texts}) for contact in contact_sections]
@@ -785,7 +785,7 @@ class MeasuredPair:
 
     @property
     def _yield_exponent(self) -> InputValue | None:
-        """Exponent m in the closed form for the area of yielding contacts, or None if contacts do not yield."""
+        """Exponent m in the formula for the true area of yielding contacts; None for elastic or adhesive contacts."""
         can_yield = self._hardness is not None and not self._adhesion_entries.get("work_of_adhesion")
         if (value := self.options.yield_exponent) is None:
             return parse_input_value("yield_exponent", DEFAULT_YIELD_EXPONENT) if can_yield else None
@@ -912,7 +912,7 @@ class MeasuredPair:
 
     @property
     def _nominal_area(self) -> float:
-        """Nominal contact area (µm²), which all members have in common."""
+        """Nominal contact area (µm²), which is the same for all surface pairs of the study."""
         area = self._body_attributes.nominal_area
         assert area is not None, "measured bodies have a nominal area"
         return area
@@ -995,7 +995,7 @@ def _list_scans(side: str, scan_input: Any) -> list[Any]:
 
 
 def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | NoiseHiddenInSpectrum | None:
-    """Return the instrument limit of a scan or, if wavelengths below this limit hardly matter, hidden noise or None."""
+    """Return the instrument limit of a scan; if it hardly affects the slope, return hidden noise or None instead."""
     body = scan.read()
     if isinstance(body, JoinedSpectrum) or body.is_flat:
         return None

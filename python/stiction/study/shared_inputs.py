@@ -1,4 +1,4 @@
-"""Inputs that a pair shares with the tests of its interface; the tests and the pair may give them different ranges.
+"""Inputs that occur both in a pair and in the friction tests of its interface, perhaps with different ranges.
 
 The tests and the pair give the same range to most shared inputs, such as the hardness of a material. If the ranges
 differ but have the same central value, they are two statements about one quantity, and the narrower range applies.
@@ -46,7 +46,7 @@ _TESTED_RANGE_PATTERN = re.compile(r"(normal|log-normal|uniform) (\S+?)\.\.(\S+)
 
 @dataclass(frozen=True)
 class SharedInput:
-    """Input that a pair shares with the friction tests of its interface: its range in the tests, and in the pair.
+    """Input of a pair that also occurs in the friction tests of its interface, with its distribution in both.
 
     Attributes
     ----------
@@ -64,35 +64,35 @@ class SharedInput:
 
     @property
     def has_equal_ranges(self) -> bool:
-        """True if the tests and the pair give the input the same distribution."""
+        """True if the input has the same distribution in the tests and in the pair."""
         return self.tested.distribution_text == self.stated.distribution_text
 
     @property
     def is_one_quantity(self) -> bool:
-        """True if tests and pair give the input equal central values: both ranges describe one quantity."""
+        """True if the input has equal central values in tests and pair, so that both ranges describe one quantity."""
         return are_central_values_equal(self.tested.value, self.stated.value)
 
     @property
     def is_narrower_in_pair(self) -> bool:
-        """True if the pair gives the input a narrower range than the tests."""
+        """True if the input has a narrower range in the pair than in the tests."""
         return self.stated.high - self.stated.low < self.tested.high - self.tested.low
 
     def sample(self, fit: StrengthFit) -> Floats:
-        """Return the value of the input (GPa, or dimensionless) for each sample of mu0 and tau0."""
+        """Return the input's values (GPa, or dimensionless) that belong to the samples of mu0 and tau0 in a fit."""
         from scipy.special import ndtr
 
         return self.tested.quantile(ndtr(fit.scores[self.score_name]))
 
 
 def are_central_values_equal(tested_value: float, stated_value: float) -> bool:
-    """Return whether an input has the same central value in tests and pair, so that both describe one quantity."""
+    """Return whether an input has equal central values in the tests and in the pair, apart from rounding."""
     return math.isclose(tested_value, stated_value, rel_tol=MAX_RELATIVE_CENTRAL_VALUE_DIFFERENCE)
 
 
 def find_shared_inputs(
     strength: InterfaceStrength, estimates: Mapping[str, UncertainInput], pair_checksum: str = ""
 ) -> dict[str, SharedInput]:
-    """Return the inputs of a pair that denote the same quantity in the tests of an interface, keyed by name.
+    """Return the inputs of a pair that are also inputs of the tests of an interface, keyed by name.
 
     `estimates` contains the distributions of the inputs of the pair, which may be exact. `pair_checksum` identifies the
     pair among the tested pairs. If the tests have several ranges of an input, the range that equals that of the pair is
@@ -114,7 +114,7 @@ def find_shared_inputs(
 def _find_tested_ranges(
     scores: Mapping[str, Floats], name: str, stated: UncertainInput, pair_checksum: str
 ) -> Iterator[SharedInput]:
-    """Yield each range that the tests of an interface give to an input, parsed from the names of the scores."""
+    """Yield each range that an input has in the tests of an interface, parsed from the names of its samples."""
     suffix = f" of {pair_checksum}" if name == "area_loss" else ""
     for score_name in scores:
         text = score_name.removeprefix(f"{name} ")
@@ -132,7 +132,7 @@ def _find_tested_ranges(
 
 
 def apply_ranges_of_pair(strength: InterfaceStrength, shared_inputs: Mapping[str, SharedInput]) -> InterfaceStrength:
-    """Return a copy of an interface; its first fit uses the ranges of a pair that are narrower than those of the tests.
+    """Return a copy of an interface, resampled for each input whose range is narrower in the pair than in the tests.
 
     Samples are selected in proportion to the ratio of the new to the old density of the inputs. They are then samples
     of the fit that the same tests would have given with the range of the pair.
@@ -156,7 +156,7 @@ def apply_ranges_of_pair(strength: InterfaceStrength, shared_inputs: Mapping[str
 
 
 def _compute_log_density(estimate: UncertainInput, values: Floats) -> Floats:
-    """Return the natural logarithm of the probability density of an input at given values, up to a constant.
+    """Return the natural logarithm of an input's probability density at given values, plus an arbitrary constant.
 
     The density of an exact number is that of a very narrow normal distribution. A uniform density falls to zero over a
     small distance, so that its logarithm is finite everywhere.
@@ -172,7 +172,7 @@ def _compute_log_density(estimate: UncertainInput, values: Floats) -> Floats:
 
 
 def _combine_weights(log_weights: Sequence[Floats]) -> Floats:
-    """Multiply importance weights, one array per input; return the logarithms of the products.
+    """Combine the importance weights of all inputs to one weight per sample; return the logarithms of the weights.
 
     Weights of inputs are raised to powers below 1 until the effective number of samples is large enough. The power of
     the input that leaves the fewest samples is reduced, so that a much narrower range does not widen other ranges.

@@ -143,7 +143,7 @@ def check_increase(name: str, values: NDArray[Any], axis: int = 0) -> None:
 
 
 def check_missing_values(name: str, values: NDArray[Any], is_missing: NDArray[np.bool_]) -> None:
-    """Raise a `DamagedFileError` if a stored contact sum is NaN at a load with a solution, or not NaN without one.
+    """Raise a `DamagedFileError` unless a stored quantity is NaN at exactly the loads without a solution.
 
     `is_missing` has the shape (..., loads), and `values` may have further axes before the last.
     """

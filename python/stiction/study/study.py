@@ -145,7 +145,7 @@ class GeneratedSurfaceFrictionSettings(SettingsSectionVariant):
 
 
 class AsperityFrictionSettings(GeneratedSurfaceFrictionSettings):
-    """Section `[friction]` for generated surfaces in the asperity model: mu0 and tau0 for figures, without loads."""
+    """Section `[friction]` for generated surfaces in the asperity model: mu0 and tau0 for figures, but no loads."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
     load: ClassVar[tuple[Quantity, ...]] = ()
@@ -449,7 +449,7 @@ class Study(SettingsSection):
 
     @property
     def pair_checksum(self) -> str:
-        """Checksum of a tested pair: surfaces, ensemble, contact model, E*, hardness, indentation depth, and adhesion.
+        """Checksum of everything that identifies a tested pair, such as surfaces, contact model, E* and hardness.
 
         The checksum does not depend on paths, loads or friction, so that `calibrate` recognizes a tested pair.
         """
@@ -467,7 +467,7 @@ class Study(SettingsSection):
 
     @property
     def is_areal(self) -> bool:
-        """True if the members are pairs of height maps, and False if they are pairs of profiles."""
+        """True if the surface pairs (members) are pairs of height maps, and False if they are pairs of profiles."""
         return self.surfaces.is_areal
 
     @property
@@ -477,7 +477,7 @@ class Study(SettingsSection):
 
     @property
     def has_nominal_area(self) -> bool:
-        """True if the bodies have a nominal area, by which loads can be divided.
+        """True if the bodies have a nominal area, so that a load can be converted to a nominal pressure.
 
         Profiles in contact as spheres have no nominal area, because the thickness of the strip is arbitrary.
         """
@@ -485,7 +485,7 @@ class Study(SettingsSection):
 
     @property
     def member_names(self) -> MemberNames:
-        """Word that output uses for the members: repetitions, positions or pairs of surrogates."""
+        """Word for the surface pairs (members) in output, such as "position" (singular) and "positions" (plural)."""
         return self.surfaces.member_names
 
     @property
@@ -494,7 +494,7 @@ class Study(SettingsSection):
         return self.contact.step_quantity
 
     def contact_sum_names(self) -> tuple[str, ...]:
-        """Return the names of the sums over contacts that a result stores for each surface pair and loading step."""
+        """Return the names of the quantities that a result stores for each surface pair and loading step."""
         if self.uses_half_space:
             adhesion_names = ADHESION_QUANTITIES if self.contact.adheres else ()
             yielding_names = YIELDING_QUANTITIES if self.contact.yield_exponent is not None else ()
@@ -504,7 +504,7 @@ class Study(SettingsSection):
         return SUM_QUANTITIES + (AREAL_SUM_QUANTITIES if self.is_areal else ()) + approach_names + onset_names
 
     def motion_coordinates(self) -> dict[str, list[Any]]:
-        """Return the coordinates of motion in a result: sliding rules, and directions in degrees."""
+        """Return the sliding rules and directions of motion (degrees), which are dataset coordinates of a result."""
         return self.contact.motion_coordinates()
 
     def with_checksums(self, folder: Path | None = None) -> Study:
@@ -598,7 +598,7 @@ class Study(SettingsSection):
         return format_toml_sections(self._to_sections())
 
     def _convert_base_sections(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-        """Return the sections of the study in the form that a changed key such as `kind` requires."""
+        """Return the sections of the study, converted to the classes that the changed keys, such as `kind`, select."""
         sections = self._to_sections()
         selectors = {
             key: changes.get(f"{section}.{key}", sections[section].get(key)) for section, key in _DISCRIMINATOR_KEYS
@@ -660,7 +660,7 @@ class Study(SettingsSection):
 
 
 def _convert_section(section: SettingsSection, target_class: type[SettingsSection]) -> dict[str, Any]:
-    """Return the keys and values of a section, converted to the keys and defaults of another section class.
+    """Convert a section to another section class; keys with default values get the defaults of the new class.
 
     Keys that differ from the default of the old class keep their values.
     """
@@ -735,7 +735,7 @@ def parse_study_of_dataset(dataset: xarray.Dataset) -> Study:
 
 
 def find_step_dimension(dataset: xarray.Dataset) -> str:
-    """Return the dimension of a dataset along the loading steps: "load" or "approach"."""
+    """Return the dimension along which a dataset stores its loading steps: "load" or "approach"."""
     return "load" if "load" in dataset.dims else "approach"
 
 
@@ -766,7 +766,7 @@ def find_section_differences(
 
 
 def find_member_differences(first_study: Study, second_study: Study) -> list[StudyDifference]:
-    """List the keys that affect members and differ between two studies, with the values in both studies.
+    """List the differing keys of two studies that affect the computed surface pairs, with the values in both studies.
 
     Members depend on the central values of inputs, but not on the ranges. Members do not depend on the section
     `[friction]`, on the area loss under shear, on the depth of the indentation, on whether the lay was assumed, on

@@ -54,7 +54,7 @@ parse_positive_length = _make_quantity_parser("length")
 
 
 def format_quantities(value: Any) -> Any:
-    """Format a quantity or a floating-point number as text, and a tuple as a tuple of such texts.
+    """Format quantities and floating-point numbers as text; in a tuple, format each element.
 
     Other values are returned unchanged.
     """
@@ -269,7 +269,7 @@ class _ValueRange(SettingsSection):
         return self
 
     def values(self) -> Floats:
-        """Compute the equally spaced numbers of the range in core units."""
+        """Compute the equally spaced numbers of the range; lengths are in µm, and loads in mN."""
         return np.linspace(float(self.start), float(self.stop), self.count)
 
 
@@ -299,7 +299,7 @@ class _SteppedValueRange(_ValueRange):
 
 
 class ApproachRange(_SteppedValueRange):
-    """Range of approaches: first and last approach, number of approaches, and linear or geometric spacing."""
+    """Range of approach distances: first and last distance, number of distances, and linear or geometric spacing."""
 
     start: LengthOrZero
     stop: LengthOrZero
@@ -350,7 +350,7 @@ def to_value_array(values: _ValueRange | tuple[float, ...]) -> Floats:
 def check_keys(
     section: Mapping[Any, Any], case: type[SettingsSectionVariant], shared: Sequence[type[SettingsSectionVariant]]
 ) -> None:
-    """Raise an error if a section has a key that only another variant has, or lacks a required key.
+    """Raise an error if a section has a key that belongs only to other variants, or lacks a required key.
 
     `shared` lists base classes whose keys several variants have. Messages name these classes by their `place`.
     """
