@@ -132,7 +132,7 @@ class Caveat:
 
 
 class LimitCheck(NamedTuple):
-    """Upper limit for a number, with the text and the remedy of the caveat for numbers above the limit.
+    """Upper limit for a checked number, with the text and the remedy of the caveat for numbers above the limit.
 
     In the text of the caveat, {} stands for the number named `about`.
     """
@@ -147,7 +147,7 @@ class LimitCheck(NamedTuple):
 
     @property
     def shown_name(self) -> str:
-        """Name of the number in the text of the caveat: `about` or, if `about` is empty, the checked number `name`."""
+        """Name of the number that the caveat's text shows: `about` if given, or else `name`, the checked number."""
         return self.about or self.name
 
     def to_caveat(self, numbers: Mapping[str, Any]) -> Caveat:
@@ -318,7 +318,7 @@ def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
 
 
 def _build_contact_checks(study: Study) -> CheckGroups:
-    """Return the checks of the contacts at a result point, in groups; the first group checks the pull-off force."""
+    """Return the groups of checks that apply to the contacts of a study; the first group checks the pull-off force."""
     text = "the pull-off force is a lower bound"
     if not study.is_gap:
         text += f": {{}} of the {study.member_names.plural} have only a bound"
@@ -328,7 +328,7 @@ def _build_contact_checks(study: Study) -> CheckGroups:
 
 
 def _build_status_caveat(status: str, study: Study) -> Caveat:
-    """Return the caveat about a result point that has no coefficient, or whose coefficient has no upper limit."""
+    """Return the caveat that explains why a coefficient is missing, or why a coefficient has no upper limit."""
     other_explanation = "there is no coefficient", f"check how many {study.member_names.plural} have a coefficient"
     text, remedy = STATUS_EXPLANATIONS.get(status, other_explanation)
     if status == friction.STATUS_BULK_SHEAR:
@@ -344,7 +344,7 @@ def _growth_remedy_for_unnamed_materials(study: Study) -> str:
 def find_point_caveats(
     point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient, status: str
 ) -> Iterator[Caveat]:
-    """Yield the caveats of a result point that follow from its status, its coefficient and its contacts."""
+    """Yield the caveats at one load, mu0 and tau0 that follow from the status, the coefficient and the contacts."""
     contact_checks = _build_contact_checks(study)
     if is_unloaded(point):
         yield NO_COEFFICIENT_CAVEAT
@@ -392,7 +392,7 @@ def find_smallest_check_limit(name: str, study: Study) -> float | None:
 
 
 def find_caveats_of_failed_checks(checks: CheckGroups, numbers: Mapping[str, Any]) -> Iterator[Caveat]:
-    """Yield one caveat per group of checks with a failed check, from the first failed check of the group.
+    """Yield the caveat of the first failed check in each group; groups without a failed check yield no caveat.
 
     A check passes if the number that it compares is missing.
     """
@@ -405,7 +405,7 @@ def compute_checked_quantities(
     value: ArrayLike, lower: ArrayLike, upper: ArrayLike, *, mu0: ArrayLike, tau0: ArrayLike, pressure: ArrayLike,
     contact_count: ArrayLike, members: float, is_merged: ArrayLike,
 ) -> dict[str, Any]:  # fmt: skip
-    """Compute the quantities that checks compare with limits, as arrays over result points, keyed by name.
+    """Compute the quantities that checks compare with limits, each as an array, keyed by name.
 
     `is_merged` is True where contacts have merged over much of the nominal area. Merged contacts are few, but each
     merged contact averages over many asperities.
@@ -431,7 +431,7 @@ def compute_checked_quantities(
 
 
 def list_contact_check_names(study: Study) -> list[str]:
-    """Return the names of the quantities that contact checks compare with limits, including the rms gradient."""
+    """Return the names of all quantities that checks of contacts and of the rms gradient compare with limits."""
     check_groups = ([STEEP_SURFACE_CHECK], _build_contact_count_checks(study), *_build_contact_checks(study))
     return list(dict.fromkeys(check.name for group in check_groups for check in group))
 
@@ -562,7 +562,7 @@ def assess_caveats(reasons: Iterable[Caveat | LimitCheck]) -> str:
 
 
 def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> Iterator[Caveat]:
-    """Yield caveats about junction growth: neglected, different from the calibration, or unlimited friction."""
+    """Yield caveats if junction growth is neglected, differs from the calibration, or makes friction unlimited."""
     hardness = study.contact.hardness
     if hardness is None or not (mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS):
         return
@@ -663,7 +663,7 @@ def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingR
 def _find_caveats_about_unlimited_friction(
     point: xarray.Dataset, study: Study, law: friction.FrictionLaw, growth: UncertainInput
 ) -> Iterator[Caveat]:
-    """Yield a caveat if friction is unlimited for some input samples, or if τ0 is close to the body's strength."""
+    """Yield a caveat if some input samples give unlimited friction, or if τ0 nearly equals the bulk shear strength."""
     law = replace(law, junction_growth=growth.high, uses_slip_lines=growth.uses_slip_lines)
     strength_ratio = float(law.bulk_strength_ratio(get_contact_hardness(point, study)))
     unlimited_fraction = mean_over_directions(point, "fraction_unlimited")
@@ -690,7 +690,7 @@ def _find_caveats_about_unlimited_friction(
 
 
 def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield caveats about adhesion: neglected adhesion, an unresolved adhesion range, or an omitted uncertainty."""
+    """Yield caveats if adhesion is neglected, its range is unresolved, or its uncertainty is not in the interval."""
     if not study.contact.adheres:
         added_load = estimate_adhesion_load_ratio(point, study)
         # The asperity model always neglects adhesion, so there is a caveat only if adhesion would double the load.
@@ -803,7 +803,7 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
 
 
 def _find_drift_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
-    """Yield a caveat for each body with one scan, if the drift of its roughness along the scan affects friction.
+    """Yield a caveat for each body with a single scan whose roughness changes along the scan enough to affect friction.
 
     The coefficient minus mu0 is inversely proportional to the slope, unless the hardness limits the pressures.
     """
@@ -823,7 +823,7 @@ def _find_drift_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleC
 
 
 def _find_orientation_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield a caveat if both maps have a lay, but the study specifies no rotation of a map and no positions.
+    """Yield a caveat if both maps have a lay, but the study specifies neither a rotation nor positions of the maps.
 
     Maps with a lay are pressed at several relative positions, but in one orientation.
     """
@@ -873,7 +873,7 @@ def find_lay_caveats(
 
 
 def _is_coefficient(rule: SlidingRuleCoefficient) -> bool:
-    """Return whether there is a coefficient for a sliding rule, and not only a lower limit of it."""
+    """Return whether the coefficient for a sliding rule is known, and not only a lower limit of the coefficient."""
     return not math.isnan(rule.value) and rule.status != friction.STATUS_BULK_SHEAR
 
 

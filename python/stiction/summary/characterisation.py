@@ -199,7 +199,7 @@ class Characterisation:
 
     @cached_property
     def friction_estimates(self) -> tuple[float, ...]:
-        """Small-slope friction estimates along x and y for a contact of two equally rough bodies such as this body.
+        """Friction coefficients along x and y, estimated from small slopes, for two bodies with this body's roughness.
 
         The tuple is empty if the slopes along an axis are 0.
         """

@@ -1,4 +1,4 @@
-"""Evaluation of a result: friction and other quantities from stored sums over contacts, with a cache."""
+"""Evaluation of a result: friction and other quantities, computed once from sums of contact forces and areas."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ NUM_OVERVIEW_FRACTAL_DIMENSIONS = 4
 
 
 class Evaluation(MemberSums):
-    """Result of a study: friction from stored sums over contacts, and access to further results stored alongside."""
+    """Result of a study: friction from stored sums of contact forces and areas, and access to other stored results."""
 
     @cached_property
     def num_solved(self) -> int:
@@ -71,7 +71,7 @@ class Evaluation(MemberSums):
 
     @property
     def onset(self) -> xarray.Dataset | None:
-        """Onset of sliding of a measured pair, at the first load, mu0 and tau0 of its study.
+        """Onset of sliding of a measured pair, for the first load, the first mu0 and the first tau0 of its study.
 
         The tangential loads are scaled so that the sliding load is μ_s F. None if the onset is not stored, or if the
         result has no coefficient.
@@ -83,7 +83,7 @@ class Evaluation(MemberSums):
         return None if onset is None else self.scale_onset(onset)
 
     def scale_onset(self, onset: xarray.Dataset) -> xarray.Dataset | None:
-        """Scale the loads of a computed onset of sliding to the sliding load μ_s F under friction at all contacts.
+        """Scale the tangential loads of a computed onset, so that sliding starts at μ_s F (friction at all contacts).
 
         Returns None if the result has no coefficient, and the unchanged onset if the result does not include the rule
         "all".
@@ -105,7 +105,7 @@ class Evaluation(MemberSums):
 
     @property
     def values_at_cutoffs(self) -> xarray.Dataset | None:
-        """Friction at several cutoff wavelengths for a few surface pairs, or None if the result has no cutoff study."""
+        """Friction of a few surface pairs at several cutoff wavelengths, or None if not stored with the result."""
         return self.load_companion(evaluate_at_cutoffs)
 
     @property
@@ -136,7 +136,7 @@ class Evaluation(MemberSums):
 
     @property
     def height_factors(self) -> dict[ScaledBodies, list[float]]:
-        """Height factors with stored results, keyed by the scaled bodies: "both", "upper" or "lower"."""
+        """Scale factors of heights in stored results, keyed by the scaled bodies: "both", "upper" or "lower"."""
         return {} if self.stored is None else group_stored_factors(self.stored)
 
     @cached_property
@@ -175,7 +175,7 @@ class Evaluation(MemberSums):
 
     @property
     def _at_all_dimensions(self) -> xarray.Dataset:
-        """Quantities for all fractal dimensions of the result, at the loads, mu0 and tau0 of the study."""
+        """Friction and contact quantities for all fractal dimensions, at the study's loads, mu0 and tau0."""
         return self.compute_once(Evaluation._evaluate_at_all_dimensions)
 
     def _evaluate_at_all_dimensions(self) -> xarray.Dataset:
@@ -197,7 +197,7 @@ class Evaluation(MemberSums):
 
     @property
     def at_report_loads(self) -> xarray.Dataset:
-        """Quantities of measured bodies at the loads of the study and at all computed loads, with intervals.
+        """Friction and contact quantities of measured bodies, with intervals, at requested and at computed loads.
 
         mu0 and tau0 are those of the study. At the loads of the study, the dataset agrees with `at_study_loads`, which
         also contains predictions and the uncertainty budget. The arrays are read-only.
@@ -373,7 +373,7 @@ class Evaluation(MemberSums):
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None,
         units: UnitSystem = DEFAULT_JOINT_UNITS, closure_from: str | float | None = None,
     ) -> JointTable:  # fmt: skip
-        """Return the joint table of a measured pair: closure, stiffness, friction and true area over nominal pressure.
+        """Return the joint table of a measured pair: closure, stiffness, friction and true area at several pressures.
 
         Finite-element programs describe a joint by these properties.
 
@@ -468,7 +468,7 @@ class Evaluation(MemberSums):
 
     @cached_property
     def _study_summary(self) -> Summary | ValueError:
-        """Summary at the loads of the study; if the result has no coefficient, the error that states the reason.
+        """Summary at the loads of the study or, if the result has no coefficient, the error that states the reason.
 
         The error is cached too, because it takes as long to compute as a summary.
         """
@@ -486,17 +486,17 @@ class Evaluation(MemberSums):
 
     @property
     def value(self) -> float:
-        """Static friction coefficient at the first reported load, mu0 and tau0, or NaN without a coefficient."""
+        """Static friction coefficient at the first reported load, mu0 and tau0; NaN if there is no coefficient."""
         return self._first_reported_point.value
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Limits of the combined 95 % interval of `value`, for uncertain inputs, positions and unresolved roughness."""
+        """Limits of `value`'s 95 % interval, combined from uncertain inputs, positions and unresolved roughness."""
         return self._first_reported_point.lower, self._first_reported_point.upper
 
     @property
     def interval_of_mean(self) -> tuple[float, float]:
-        """Limits of the 95 % interval of the mean over positions, which leaves out the uncertainty of the inputs."""
+        """Limits of the 95 % interval of the mean over positions, without the uncertainty of the inputs."""
         lower, upper = self._first_reported_point.rules[0].interval_of_mean
         return lower, upper
 

@@ -36,7 +36,7 @@ CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
 
 
 def evaluate_positions(result: Evaluation, point: xarray.Dataset) -> xarray.Dataset:
-    """Add the friction coefficients of all surface pairs to a result point, as the variable `member_friction`.
+    """Add the friction coefficient of each surface pair to a dataset for one load, mu0 and tau0 (`member_friction`).
 
     The variable has the dimensions repetition, direction and sliding.
     """
@@ -47,7 +47,7 @@ def evaluate_positions(result: Evaluation, point: xarray.Dataset) -> xarray.Data
 
 
 def evaluate_positions_at_first_load(result: Evaluation) -> xarray.Dataset:
-    """Return the result point at the study's first load, mu0 and tau0, with the coefficient of each surface pair."""
+    """Return friction at the study's first load, mu0 and tau0, including the coefficient of each surface pair."""
     first_load = float(result.study.friction.load[0])
     points = sort_sliding_rules(result.at_study_loads, result.study).isel(cut_off=0, mu0=0, tau0=0)
     return evaluate_positions(result, points.sel(load=first_load, method="nearest"))
@@ -65,7 +65,7 @@ def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray
 def evaluate_height_factors(
     result: Evaluation, scaled_bodies: ScaledBodies, mu0_index: int = 0, tau0_index: int = 0
 ) -> xarray.Dataset:
-    """Evaluate friction at all stored height factors, at the study's first load and at a single mu0 and tau0.
+    """Evaluate friction for each factor by which heights were scaled in stored results, at the study's first load.
 
     Nominal area and area fraction are omitted if the study has no nominal area.
     """
@@ -107,7 +107,7 @@ class FrictionOverDimension:
 
 
 def iterate_motions(result: Evaluation) -> Iterator[tuple[str, Evaluation]]:
-    """Yield one result per sliding rule and direction, each preceded by its suffix for file names."""
+    """Yield a file name suffix and the corresponding part of the result for each sliding rule and direction."""
     dims = [dim for dim in ("sliding", "direction") if dim in result.head.dims]
     if not dims:
         yield "", result
@@ -135,7 +135,10 @@ def evaluate_friction_over_dimension(result: Evaluation, mu0: Sequence[float]) -
 
 
 def _find_commonly_reached_load(result: Evaluation, lowest: float) -> float:
-    """Return a load (mN) that 90 % of the result cells (fractal dimension, amplitude) reach; if possible 10^n."""
+    """Return a load (mN) that 90 % of the combinations of fractal dimension and amplitude reach.
+
+    The load is a power of 10, unless this power would be below `lowest` (mN).
+    """
     highest_loads = result.mean_elastic_loads.max(result.study.step_quantity).values
     common_load = float(np.quantile(highest_loads[highest_loads > 0], 0.1))
     power_of_ten = 10.0 ** np.floor(np.log10(0.9 * common_load))
@@ -191,7 +194,10 @@ def generate_profiles(study: Study) -> dict[float, Profile]:
 
 
 def generate_bodies_by_length_scale(study: Study) -> dict[float, tuple[Profile, Surface]]:
-    """Generate an unscaled profile and map (Eq. 1 of the paper) per length scale (µm), all with the same phases."""
+    """Generate a profile and a map (Eq. 1 of the paper) for each length scale (µm), with the same phases.
+
+    The heights of the profiles are not scaled to the amplitude of the study.
+    """
     surfaces: Any = study.surfaces
     dimension = surfaces.fractal_dimensions()[0]
     num_points = int(min(MAX_SURFACE_SIDE_POINTS, surfaces.points))

@@ -1,4 +1,4 @@
-"""Caveats about the inputs of a study: heights, form error, spikes, noise, loads and coefficients."""
+"""Caveats about the inputs of a study: heights, form error, spikes, noise, loads, mu0 and tau0."""
 
 from __future__ import annotations
 
@@ -246,7 +246,7 @@ def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :
 
 
 def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return the remedy of a caveat, or advice to scan a longer part if its cutoff exceeds `longest` (µm)."""
+    """Return the remedy of a caveat, or advise a longer scan if the caveat's cutoff exceeds `longest` (µm)."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
     return (
@@ -264,7 +264,7 @@ _NUMBER_PATTERN = re.compile(r"\d[\d.]*")
 
 
 def _get_caveat_kind(caveat: Caveat) -> str:
-    """Return a caveat's text without numbers; caveats of the same kind have equal texts without numbers."""
+    """Remove the numbers from a caveat's text; the remaining text is equal for all caveats of the same kind."""
     return _NUMBER_PATTERN.sub("", caveat.text)
 
 
@@ -368,7 +368,7 @@ def _get_axis_extents(body: MeasuredBody) -> tuple[float, float]:
 
 
 def have_different_spectra(joined: JoinedSpectrum) -> bool:
-    """Return whether the spectrum of any scan differs from the other scans' by a factor significantly above 2."""
+    """Return whether a scan's spectral density differs significantly by more than a factor of 2 from other scans."""
     with np.errstate(invalid="ignore"):
         return bool(
             (np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_RATIO_OF_TWO_SPECTRA)).any()
@@ -376,7 +376,7 @@ def have_different_spectra(joined: JoinedSpectrum) -> bool:
 
 
 def _find_spectrum_caveats(spectrum: JoinedSpectrum) -> Iterator[Caveat]:
-    """Yield caveats if scans of one surface have different spectra, or if all scans lack some wavelengths."""
+    """Yield caveats if scans of one surface have different spectra, or if some wavelengths are missing in all scans."""
     if have_different_spectra(spectrum):
         text = "scans of the surface differ by more than a factor of two in power"
         yield Caveat(text, "compare them with characterise --together, and exclude the wrong one", "caution")

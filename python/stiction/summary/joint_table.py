@@ -99,7 +99,7 @@ class JointUnits:
 
 @dataclass(frozen=True)
 class JointRow:
-    """Row of a joint table: contact properties at one nominal pressure, per nominal area.
+    """Row of a joint table: closure, stiffnesses, true area and friction at one nominal pressure.
 
     Attributes
     ----------
@@ -186,7 +186,7 @@ def _check_pair_is_measured(study: Study, nominal_area: float | None) -> float:
 
 
 def parse_closure_start(closure_from: Any, study: Study, nominal_area: float | None) -> float:
-    """Return the load (mN) from which a closure is counted, given as a load or as a nominal pressure.
+    """Return the load (mN) from which closure is counted; the user specifies a load or a nominal pressure.
 
     Raises a `ValueError` if the bodies were generated.
     """
@@ -199,7 +199,7 @@ def parse_closure_start(closure_from: Any, study: Study, nominal_area: float | N
 
 
 def add_load(loads: Floats, load: float) -> tuple[Floats, float]:
-    """Add a load (mN) to an array, unless the array contains an equal load; return the array and the load in it."""
+    """Add a load (mN) to an array unless it contains this load; return the array and the load stored in the array."""
     equal_loads = loads[np.isclose(loads, load, rtol=MAX_LOAD_ROUND_OFF, atol=0)]
     return (loads, float(equal_loads[0])) if equal_loads.size else (np.unique([*loads, load]), load)
 
@@ -223,7 +223,7 @@ def build_joint_study(
 def build_joint_table(
     at: xarray.Dataset, study: Study, units: str, assessments: Mapping[float, str], closure_from: float | None = None
 ) -> JointTable:
-    """Build the joint table of a measured pair from a dataset of `Result.at`, at the first mu0 and tau0.
+    """Build the joint table of a measured pair from a dataset that `Result.at` returned, for its first mu0 and tau0.
 
     `assessments` contains the assessment of the coefficient at each load (mN). Loads at which the pair has no closure
     are omitted. `closure_from` is the load (mN) from which the closure is counted, by default 0 (first contact).
@@ -287,7 +287,7 @@ def build_joint_table(
 
 
 def _count_closures_from(rows: Sequence[Mapping[str, Estimate]], start: int) -> list[Estimate]:
-    """Return the closures in a joint table, counted from the row with index `start` (zero closure).
+    """Return the closures of a joint table relative to the closure in the row with index `start`.
 
     A closure between two pressures is the integral of the pressure over the stiffness of closure. Its limits are those
     for the limits of the stiffness at all pressures in between. If one of these is unknown, there is no interval.
@@ -314,7 +314,7 @@ def _count_closures_from(rows: Sequence[Mapping[str, Estimate]], start: int) -> 
 
 
 def _read_row(point: xarray.Dataset, pressure: float) -> dict[str, Estimate]:
-    """Return the estimates at one pressure (GPa) of a joint table, in core units (µm, mN, GPa), keyed by quantity."""
+    """Return all quantities of a joint table at one pressure (GPa), in core units (µm, mN, GPa), keyed by name."""
     # Rounding to twelve digits removes the round-off of the pressure.
     pressure = float(f"{pressure:.12g}")
     estimates = {"nominal_pressure": Estimate(pressure, name="nominal_pressure", unit="GPa")}
@@ -336,7 +336,7 @@ def _read_row(point: xarray.Dataset, pressure: float) -> dict[str, Estimate]:
 
 
 def describe_closure_start(start_pressure: Estimate) -> str:
-    """Return the clause that says from which pressure a closure is counted, such as "since first contact"."""
+    """Return the clause that states from which pressure closure is counted, such as "since first contact"."""
     if start_pressure.value == 0:
         return "since first contact"
     return f"since a nominal pressure of {start_pressure.value:.6g} {start_pressure.unit}"
@@ -419,13 +419,13 @@ def describe_tangential_stiffness(study: Study, at: xarray.Dataset) -> str:
 
 
 def _compute_dundurs_beta(poisson: Any, compliance_share: float) -> float:
-    """Return Dundurs' |β| in plane strain, from Poisson's ratios and the compliance fraction of the lower body."""
+    """Return |β|, Dundurs' parameter in plane strain, from Poisson's ratios and the lower body's fraction of 1/E*."""
     factors = [(1 - 2 * ratio) / (1 - ratio) for ratio in parse_poisson_ratios(poisson)]
     return abs((1 - compliance_share) * factors[0] - compliance_share * factors[1]) / 2
 
 
 def _describe_assessments(rows: Sequence[JointRow]) -> str:
-    """Return a sentence with the number of rows of a joint table for each assessment, such as "Do not quote"."""
+    """Return a sentence that states how many rows of a joint table have each assessment, such as "Do not quote"."""
     assessment_counts = Counter(row.assessment for row in rows)
     assessment_texts = [
         f"{text} ({assessment_counts[text]} of {len(rows)} pressures)"

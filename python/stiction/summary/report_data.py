@@ -39,7 +39,7 @@ MAX_DESCRIBED_FILE_READINGS = 4
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ReportData:
-    """Data that reports on generated surfaces and reports on measured surfaces have in common.
+    """Data that every report contains, whether its surfaces are generated or measured.
 
     Attributes
     ----------
@@ -166,7 +166,7 @@ def count_coefficients(result: Evaluation) -> int:
 def collect_report_data(
     result: Evaluation, picture: xarray.Dataset | None = None
 ) -> ReportDataOfMeasuredSurfaces | ReportDataOfGeneratedSurfaces:
-    """Collect the data of a report (study, bodies, summary, figure datasets), except the arrays for the sliders.
+    """Collect the data of a report, except the arrays from which its sliders select a load, mu0 and tau0.
 
     `picture` comes from `contact_picture`; by default it is the picture that is stored with the result.
     """

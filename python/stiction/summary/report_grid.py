@@ -62,7 +62,7 @@ class ParameterAxis:
 
 
 class ReportGrid:
-    """Grid of loads, mu0 and tau0 for the sliders of a report; groups of surface pairs and of directions to average.
+    """Choices that a report offers to its reader: load, mu0, tau0, directions of motion and kind of surface pairs.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class ReportGrid:
 
     @cached_property
     def member_kinds(self) -> list[MemberKind | None]:
-        """Kinds of surface pairs in a report ("shifts", "surrogates"), the reported kind first; [None] for one kind."""
+        """Kinds of surface pairs in a report: ["shifts", "surrogates"], or [None] if all pairs are of the same kind."""
         if "surrogate" not in self.result.head.coords:
             return [None]
         surrogate = self.result.dataset["surrogate"].values.astype(bool)
@@ -103,20 +103,23 @@ class ReportGrid:
 
     @property
     def motions(self) -> list[list[int]]:
-        """Groups of directions (indices): all together, then each alone; a report shows the mean over each group."""
+        """Groups of directions (indices) over which a report averages friction: all, and each direction alone.
+
+        Reports on generated surfaces contain no mean over all directions.
+        """
         directions = list(range(len(self.study.contact.direction_angles())))
         single_directions = [[index] for index in directions]
         return [directions, *single_directions] if self.study.is_measured and len(directions) > 1 else single_directions
 
     @property
     def num_coefficients(self) -> int:
-        """Number of coefficients in a report, for all member kinds, surfaces, rules, motions, loads, mu0 and tau0."""
+        """Number of friction coefficients in a report, for all combinations of load, mu0, tau0 and other choices."""
         cell_sizes = [values.size for values in self.study.surfaces.cell_coordinates().values()]
         num_curves = math.prod(cell_sizes) * len(self.study.contact.sliding_rules()) * len(self.motions)
         return len(self.member_kinds) * num_curves * self.loads.size * math.prod(axis.values.size for axis in self.axes)
 
     def evaluate(self) -> tuple[xarray.Dataset, ...]:
-        """Evaluate friction with intervals for each kind of member, at all loads, mu0 and tau0 of the grid.
+        """Evaluate friction with intervals for each load, mu0 and tau0 of the grid, and for each kind of surface pair.
 
         Members of measured bodies have combined intervals, except surrogates that were computed in addition to shifted
         maps.
@@ -135,7 +138,10 @@ class ReportGrid:
         return tuple(tables)
 
     def evaluate_study_inputs(self) -> tuple[xarray.Dataset, ...]:
-        """Evaluate all quantities of measured bodies at the study's first mu0 and tau0, for each kind of member."""
+        """Evaluate all quantities of measured bodies at each load of the grid, for the study's first mu0 and tau0.
+
+        There is one dataset for each kind of surface pair.
+        """
         other_kinds = [at_load(self.result, self.loads, member_kind=kind) for kind in self.member_kinds[1:]]
         tables = [self.result.at_report_loads, *other_kinds]
         return tuple(table.isel(mu0=0, tau0=0).sel(load=self.loads) for table in tables)

@@ -43,7 +43,7 @@ DIMENSIONS_OF_REPORT_ARRAYS = ("fractal_dimension", "amplitude", "sliding", "dir
 
 @dataclass(frozen=True, eq=False)
 class ReportValuesOfMeasuredSurfaces:
-    """Friction and contact quantities in a report on measured surfaces, at all loads, mu0 and tau0.
+    """Friction and contact quantities in a report on measured surfaces, for each load, mu0 and tau0.
 
     The first axes of the arrays are kind of member, cutoff, sliding rule, motion, load, mu0 and tau0. The last axis of
     estimates contains mean, lower limit and upper limit.
@@ -93,7 +93,7 @@ class ReportValuesOfMeasuredSurfaces:
 
 
 def evaluate_measured_report(grid: ReportGrid) -> ReportValuesOfMeasuredSurfaces:
-    """Evaluate friction and contact quantities of measured surfaces at all loads, mu0 and tau0 of a report."""
+    """Evaluate friction and contact quantities of measured surfaces for each load, mu0 and tau0 in a report."""
     tables, load_tables = grid.evaluate(), grid.evaluate_study_inputs()
     estimates, sampling, status_codes, num_solved, slopes = (
         np.stack(arrays) for arrays in zip(*(_stack_motions(values, grid.motions) for values in tables), strict=True)
@@ -126,7 +126,7 @@ def evaluate_measured_report(grid: ReportGrid) -> ReportValuesOfMeasuredSurfaces
 
 
 def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDArray[Any]]:
-    """Return arrays of coefficients, means, status codes, member counts and small-slope estimates per direction group.
+    """Return the coefficients, statuses, numbers of members and small-slope estimates for each group of directions.
 
     The arrays have one index for each group of directions in `motions`.
     """
@@ -158,7 +158,7 @@ def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDA
 
 
 def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.intp]:
-    """Return the status code of each mean coefficient, from the statuses of the averaged directions (axis 2)."""
+    """Return a status code for each mean coefficient, given the status of every averaged direction (axis 2)."""
     bulk_shear_code = STATUSES_BY_CODE.index(friction.STATUS_BULK_SHEAR)
     codes = np.select([statuses == name for name in STATUSES_BY_CODE], range(len(STATUSES_BY_CODE)))
     lowest_codes = np.where(codes == 0, len(STATUSES_BY_CODE), codes).min(axis=2)
@@ -185,7 +185,7 @@ STATUSES_OF_GENERATED_SURFACES = (
 
 @dataclass(frozen=True, eq=False)
 class ReportValuesOfGeneratedSurfaces:
-    """Friction and contact quantities in a report on generated surfaces, at all loads, mu0 and tau0.
+    """Friction and contact quantities in a report on generated surfaces, for each load, mu0 and tau0.
 
     The first axes of the arrays are fractal dimension, amplitude, sliding rule, direction, load, mu0 and tau0. The last
     axis of estimates contains mean, lower limit and upper limit.
@@ -284,7 +284,7 @@ def evaluate_generated_report(grid: ReportGrid, num_members: int) -> ReportValue
 
 
 def _find_unloaded_points(table: xarray.Dataset, statuses: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return a mask of the result points at which the load is negligible compared with the pull-off force."""
+    """Return a mask that is True where the load is negligible compared with the pull-off force."""
     if "pull_off" not in table:
         return np.zeros(statuses.shape, np.bool_)
     pull_off = table["pull_off"].sel(statistic="mean", drop=True)
@@ -295,7 +295,7 @@ def _find_unloaded_points(table: xarray.Dataset, statuses: NDArray[Any]) -> NDAr
 def _compute_checked_numbers(
     table: xarray.Dataset, estimates: dict[str, Floats], study: Study, num_members: int
 ) -> dict[str, Any]:
-    """Compute the quantities that the assessment of generated surfaces compares with limits, as arrays by name."""
+    """Compute the quantities that the assessment of generated surfaces compares with limits, keyed by name."""
     mu0, tau0 = (_order_dimensions(table[name]) for name in ("mu0", "tau0"))
     area = estimates["area"][..., 0]
     surfaces: Any = study.surfaces
@@ -312,7 +312,7 @@ def _compute_checked_numbers(
 
 
 def _broadcast_means(table: xarray.DataArray, shape: tuple[int, ...]) -> Floats:
-    """Return the means of a quantity, without interval limits, broadcast to the shape of the report's arrays."""
+    """Return the means of a quantity (without interval limits), expanded to the shape of the report's arrays."""
     return np.broadcast_to(
         _order_dimensions(table.sel(statistic="mean") if "statistic" in table.dims else table), shape
     )

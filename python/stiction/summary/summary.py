@@ -1,4 +1,4 @@
-"""Summary of a result: coefficients, intervals, caveats and assessments for all outputs, computed once.
+"""Summary of a result, computed once for all outputs: coefficients, intervals, caveats and assessments.
 
 A summary has one `PointSummary` for each combination of surfaces or cutoff, load, mu0 and tau0. The terminal, JSON,
 CSV, figures, reports and notebooks show these points, and compute nothing else.
@@ -73,7 +73,7 @@ MIN_DOMINANT_INPUT_FRACTION = 0.1
 
 @dataclass(frozen=True)
 class UncertaintyBudgetEntry(Estimate):
-    """Row of the uncertainty budget: the coefficient, and the interval that would remain if one input were exact."""
+    """Row of the uncertainty budget: the coefficient's interval that would remain if a given input were exact."""
 
     _: KW_ONLY
     label: str
@@ -90,7 +90,7 @@ class DwellTimeCoefficient(Estimate):
 
 @dataclass(frozen=True, eq=False)
 class PointSummary:
-    """Friction with intervals, caveats and assessment at one result point: one roughness or cutoff, load, mu0 and tau0.
+    """Friction at one result point (one load, mu0 and tau0, for one roughness or cutoff), with caveats and assessment.
 
     Attributes
     ----------
@@ -180,13 +180,13 @@ class PointSummary:
 
     @property
     def cutoffs(self) -> ScanCutoffs | None:
-        """Cutoffs (µm) of the upper and of the lower scans, 0 for no filter; None for generated bodies."""
+        """Cutoff wavelengths (µm) for the scans of both bodies; 0 stands for no filter. None for generated bodies."""
         surfaces: Any = self.study.surfaces
         return surfaces.get_scan_cut_offs(self.at["cut_off"]) if "cut_off" in self.at else None
 
     @cached_property
     def quoted_values(self) -> xarray.Dataset:
-        """Quantities at this result point under the reported sliding rule.
+        """Friction and contact quantities at this result point, under the reported sliding rule.
 
         The true area of generated bodies depends slightly on the rule.
         """
@@ -268,7 +268,7 @@ class PointSummary:
 
     @property
     def load_definition_effect(self) -> float:
-        """Largest relative difference between the coefficients for two definitions of the load; NaN if unknown."""
+        """Largest relative difference between the coefficients for the elastic and the normal load; NaN if unknown."""
         return self.numbers.get("load_definition_effect", math.nan)
 
     @property
@@ -327,7 +327,7 @@ class PointSummary:
 
 @dataclass(frozen=True, eq=False)
 class Summary:
-    """Summary of a result at some loads, mu0 and tau0, with one `PointSummary` per result point.
+    """Summary of a result, with one `PointSummary` for each combination of load, mu0, tau0, and roughness or cutoff.
 
     Attributes
     ----------
@@ -370,7 +370,7 @@ class Summary:
 
     @property
     def _points_at_cutoffs(self) -> xarray.Dataset | None:
-        """Friction at several cutoffs, from the result or its cutoff study; None if both have only one cutoff."""
+        """Friction at several cutoff wavelengths, from this or another stored result; None for a single cutoff."""
         points = self.at if self.at.sizes.get("cut_off", 0) > 1 else self.values_at_cutoffs
         return None if points is None else sort_sliding_rules(points, self.study)
 
@@ -381,12 +381,15 @@ class Summary:
 
     @property
     def reported_points(self) -> list[PointSummary]:
-        """Result points that output shows: points at the reported cutoff; their intervals include the other cutoff."""
+        """Result points that output shows: the points at the reported cutoff.
+
+        Their intervals include the results at the other cutoff.
+        """
         return [point for point in self.points if not point.covered]
 
     @property
     def first(self) -> PointSummary:
-        """First reported result point."""
+        """First of the result points that output shows."""
         return self.reported_points[0]
 
 
@@ -424,7 +427,7 @@ def summarize(
 
 
 def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates: Mapping[str, float]) -> bool:
-    """Return whether the coefficient at a result point has an interval with each alternative scan preparation."""
+    """Return whether a coefficient has an interval in the result of each alternative preparation of the scans."""
     return all(
         point.rules[0].has_interval
         for alternative in alternatives.values()
@@ -453,7 +456,7 @@ def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, a
 
 
 def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
-    """Widen the intervals of the points at the reported cutoff to include the intervals at the other cutoff.
+    """Widen the intervals of coefficients at the reported cutoff to include the intervals at the other cutoff.
 
     The returned list begins with the points at the reported cutoff. The points at the other cutoff are marked as
     covered.
@@ -479,7 +482,7 @@ def _get_coordinates_without_cutoff(point: PointSummary) -> tuple[tuple[str, flo
 
 
 def _extend_point_to_other_cutoff(point: PointSummary, other_point: PointSummary) -> PointSummary:
-    """Widen the intervals of a result point at the reported cutoff, and add its caveats, to include another cutoff.
+    """Extend a result point at the reported cutoff by the intervals and caveats of the same point at another cutoff.
 
     Filtering does not improve an assessment, so a fault at the other cutoff is also a fault of the reported point.
     """
@@ -514,7 +517,7 @@ def _extend_point_to_other_cutoff(point: PointSummary, other_point: PointSummary
 
 
 def _build_entry_of_possible_noise(point: PointSummary) -> UncertaintyBudgetEntry:
-    """Return the row for possible noise in the uncertainty budget: the interval without results at the other cutoff."""
+    """Return the row for possible noise in the uncertainty budget: the interval at the reported cutoff alone."""
     width = point.upper - point.lower
     return UncertaintyBudgetEntry(
         point.value, point.lower, point.upper, name="remaining_interval", kind="conditional",
@@ -535,7 +538,7 @@ def _extend_value_to_other_cutoff(
 def summarize_point(
     point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = (), *, covers_alternatives: bool = True
 ) -> PointSummary:
-    """Summarize one result point of a dataset from `Result.at`, including the caveats about the bodies.
+    """Summarize one point (one load, mu0 and tau0) of a dataset from `Result.at`, with caveats about the bodies.
 
     `covers_alternatives` is true unless the interval omits an alternative preparation of the scans.
     """
@@ -583,7 +586,7 @@ def summarize_point(
 
 
 def assess_coefficients(at: xarray.Dataset, study: Study) -> xarray.DataArray:
-    """Return the assessment of each coefficient of generated surfaces in a dataset of `Result.at`.
+    """Return the assessment of each coefficient in a dataset that `Result.at` returned for generated surfaces.
 
     A summary assesses only the coefficient for the reported sliding rule; this array has the dimension `sliding`.
     """
@@ -618,7 +621,7 @@ def _with_interval_of_mean(coefficient: SlidingRuleCoefficient) -> SlidingRuleCo
 
 
 def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoefficient:
-    """Return the coefficient and its intervals at a result point under one sliding rule."""
+    """Return the coefficient for one sliding rule and its intervals, at one load, mu0 and tau0."""
     name = "mean_friction" if "mean_friction" in table else "friction_coefficient"
     mean = read_estimate(table[name])
     interval_of_mean = Interval(max(mean.lower, 0.0) if mean.lower < 0 <= mean.value else mean.lower, mean.upper)
@@ -645,7 +648,7 @@ def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoef
 
 
 def _find_first_failure(table: xarray.Dataset) -> str:
-    """Return "ok" if all directions have this status, or else the alphabetically first of their other statuses."""
+    """Return "ok" if all directions have this status, or else the first other status in alphabetical order."""
     statuses = np.unique(table["status"].values).tolist()
     return next((str(status) for status in statuses if status != friction.STATUS_OK), friction.STATUS_OK)
 
@@ -656,7 +659,7 @@ def _is_outside_asperity_model(table: xarray.Dataset) -> bool:
 
 
 def _read_coefficients(table: xarray.Dataset, name: str, dimension: str) -> dict[float, Estimate]:
-    """Return the estimates of a quantity along a dimension, keyed by coordinate; empty if the dimension is missing."""
+    """Return estimates of a quantity, keyed by coordinate of a dimension; empty if the dimension is missing."""
     return read_estimates_along(table[name], dimension) if name in table and dimension in table[name].dims else {}
 
 
@@ -703,7 +706,7 @@ def _list_dwell_time_coefficients(point: xarray.Dataset, rule: str) -> tuple[Dwe
 def _compute_friction_contributions(
     point: xarray.Dataset, study: Study, rule: SlidingRuleCoefficient
 ) -> tuple[float, float, float] | None:
-    """Return the contributions of mu0, tau0 and slopes if friction acts at all contacts (rule "all"), or else None."""
+    """Return the parts of a coefficient due to mu0, tau0 and slopes (friction at all contacts), or None if unknown."""
     if rule.rule != "all" or not math.isfinite(rule.value) or rule.status == friction.STATUS_BULK_SHEAR:
         return None
     load = read_number(point, "load")
@@ -715,7 +718,7 @@ def _compute_friction_contributions(
 
 
 def has_central_value(study: Study, coordinates: Mapping[str, Any], name: str) -> bool:
-    """Return whether mu0 (or tau0) at a result point equals the study's first mu0 (or tau0), at its central value."""
+    """Return whether mu0 (or tau0) at a result point equals the central value of the study's first mu0 (or tau0)."""
     return math.isclose(coordinates[name], float(getattr(study.friction, name)[0]), rel_tol=1e-3)
 
 
@@ -732,7 +735,7 @@ def are_strengths_separated(study: Study, coordinates: Mapping[str, Any]) -> boo
 
 
 def _get_point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, float]:
-    """Return the coordinates of a result point by name; self-affine surfaces also have the Hurst exponent."""
+    """Return the coordinates of a result point, keyed by name, with the Hurst exponent of self-affine surfaces."""
     coordinates = {
         name: read_number(point, name) for name in (*CELL_DIMENSIONS, "load", "mu0", "tau0") if name in point.coords
     }
@@ -765,7 +768,7 @@ def _estimate_roughness_contribution(point: xarray.Dataset, study: Study, rule: 
 
 
 def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
-    """Return whether the bounds on the friction of finer scans are invalid because of a caveat.
+    """Return whether a caveat makes the bounds on the friction of finer scans invalid.
 
     Every fault invalidates the bounds, except too few contacts per member.
     """
@@ -775,7 +778,7 @@ def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
 def _find_bounds_for_finer_scans(
     point: xarray.Dataset, study: Study, coefficient: SlidingRuleCoefficient
 ) -> tuple[float, float] | None:
-    """Return lower and upper bound on the coefficient that finer scans can give, accurate to second order in the slope.
+    """Return lower and upper bounds on a finer scan's coefficient, which are accurate to second order in the slope.
 
     The upper bound is the upper limit of the interval, plus an allowance for load that shorter wavelengths shift
     between contacts of different members. No bounds exist if the interface of contacts that yield is stronger than the
