@@ -286,7 +286,7 @@ class _FilterKernel:
         )[: half_width + 1]
 
     def compute_cyclic_weights(self, power: int) -> Floats:
-        """Return each filter weight times (distance / cutoff)^`power`, in the order for a cyclic convolution."""
+        """Return each filter weight times (distance / cutoff)^`power`, ordered as a cyclic convolution requires."""
         half_weights = self._weights * self._offset**power
         weights = np.zeros(self.padded_size)
         weights[: half_weights.size] = half_weights if power % 2 == 0 else -half_weights

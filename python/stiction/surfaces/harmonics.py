@@ -24,7 +24,7 @@ _BACKGROUND_DENSITY_QUANTILE = 0.3
 
 
 def find_texture_harmonics(density: Floats) -> tuple[float, float]:
-    """Find the first harmonic (bin) of a periodic texture in a spectrum, and the distance (in bins) between harmonics.
+    """Find the first harmonic of a periodic texture in a spectrum, and the distance between harmonics, both in bins.
 
     Returns NaN if there is no periodic texture.
 
@@ -65,7 +65,7 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
 
 
 def estimate_density_between_harmonics(density: Floats, count: Floats, distance: float) -> Floats:
-    """Estimate the spectral density between texture harmonics from a low quantile within one harmonic distance.
+    """Estimate the background density between the harmonics of a texture, from a low moving quantile of the spectrum.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def estimate_density_between_harmonics(density: Floats, count: Floats, distance:
 
 
 def _compute_median_between_harmonics(padded_density: Floats, harmonics: Floats, distance: float) -> Floats:
-    """Return the median density near each harmonic, up to half the harmonic distance, without the harmonic's peak."""
+    """Return the median spectral density around each harmonic, within half a harmonic distance and outside the peak."""
     bins = np.arange(padded_density.size)
     medians = []
     for harmonic in harmonics.tolist():

@@ -36,7 +36,7 @@ _MAX_FITTED_NOISE_RATIO = 2.0
 
 @dataclass(frozen=True)
 class NoiseHiddenInSpectrum:
-    """White noise that a scan may contain without a noise floor in its spectrum, and a suitable filter cutoff."""
+    """White noise that a scan may contain although its spectrum shows no noise floor, and a suitable filter cutoff."""
 
     slope_fraction: float
     # Cutoff (µm) of the low-pass filter that removes the fraction `slope_fraction` of the mean square slope.

@@ -63,7 +63,7 @@ class PowerLawFit:
         return math.log((self._power * np.exp(exponent * self._log_q)).sum()) + math.log(self._max_power)
 
     def loss(self, exponent: float) -> float:
-        """Return the negative log-likelihood (up to a constant) of an exponent, with the best-fitting prefactor."""
+        """Return the negative log-likelihood (plus a constant) of a power law with this exponent and best prefactor."""
         return self._total_weight * self._log_power_at_mean_q(exponent)
 
     @property
@@ -110,7 +110,7 @@ def _fit_exponents(log_q: Floats, power: Floats) -> Floats:
 
 
 def _fit_power_laws(log_q: Floats, power: Floats, weight: Floats) -> tuple[Floats, Floats]:
-    """Fit a power law to the spectrum in each row of wave numbers, powers and weights.
+    """Fit a power law to each of several spectra, given as rows of wave numbers, powers and weights.
 
     Returns exponents and negative log-likelihoods.
 
@@ -335,7 +335,7 @@ def estimate_hurst_exponent(
 
 
 def _select_profile_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Normalize a profile by its largest height; return wave numbers, powers, and the largest height (µm)."""
+    """Normalize a profile by its largest height; return wave numbers and powers of harmonics, and this height (µm)."""
     heights = profile.heights - profile.heights.mean()
     if not periodic:
         centred_index = np.arange(heights.size) - (heights.size - 1) / 2
@@ -354,7 +354,7 @@ def _select_profile_harmonics(profile: Profile, periodic: bool) -> tuple[Floats,
 
 
 def _select_areal_harmonics(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Normalize a map by its largest height; return wave numbers, powers, and the largest height (µm)."""
+    """Normalize a map by its largest height; return wave numbers and powers of harmonics, and this height (µm)."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights
@@ -502,7 +502,7 @@ def _fit_spectrum_pieces(
 def _select_spectrum_pieces(
     bin_count: int, starts: NDArray[np.intp], piece_ends: NDArray[np.intp], losses: Floats
 ) -> list[int]:
-    """Select pieces that cover a binned spectrum without gaps, with the lowest sum of fit losses and penalties."""
+    """Divide a binned spectrum into fitted pieces with the lowest total loss, including a penalty for each piece."""
     min_loss, last_piece = np.full(bin_count + 1, np.inf), np.full(bin_count + 1, -1)
     min_loss[0] = 0.0
     for piece in np.argsort(piece_ends, kind="stable"):

@@ -94,7 +94,7 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def disagreement(self) -> Floats:
-        """Ratio of each scan's spectral density to the density of the other scans, as a mean over shared wavelengths.
+        """Ratio of each scan's spectral density to that of the other scans, averaged over shared wavelengths.
 
         The shape is (scans,). The mean is NaN for a scan without overlap.
         """
@@ -117,7 +117,7 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def chance(self) -> Floats:
-        """Standard deviation that each ln(`disagreement`) has by chance, if the scans have equal true spectra."""
+        """Standard deviation of ln(`disagreement`) that chance alone causes if all scans have equal true spectra."""
         is_shared = (self.contribution > 0).sum(axis=0) > 1
         independent_counts = self.contribution * self.count / _WAVE_VECTORS_PER_INDEPENDENT_VALUE
         log_deviations = np.full(len(self.bands), np.nan)
@@ -148,7 +148,7 @@ class JoinedSpectrum(TextReprMixin):
         self, seed: int, *, shape: tuple[int, int], spacing: float | tuple[float, float], repetition: int = 0,
         side: Side = "lower",
     ) -> Surface:  # fmt: skip
-        """Generate a periodic Gaussian height map with this spectrum, and without wavelengths outside the spectrum.
+        """Generate a periodic Gaussian height map that has this spectrum, and no power outside its wavelength band.
 
         Parameters
         ----------
@@ -292,7 +292,7 @@ def _parse_values_of_scans(name: str, values: Sequence[float | None] | None, sca
 def _find_reliable_band(
     body: Profile | Surface, given_limit: float | None, tip_radius: float | None
 ) -> tuple[tuple[float, float], str]:
-    """Return the wavelength band (µm) in which a scan is reliable, and what limits the band at short wavelengths."""
+    """Return the band of wavelengths (µm) in which a scan is reliable, and the reason for its shortest wavelength."""
     spacing, side_length = max(body.spacings), float(np.min(body.extent))
     if given_limit is not None:
         shortest_wavelength, reason = given_limit, "given"
@@ -317,7 +317,7 @@ def _find_reliable_band(
 def _average_in_bins(
     body: Profile | Surface, band: tuple[float, float], per_decade: int
 ) -> dict[int, tuple[float, float]]:
-    """Average the spectral density of a scan in bins of wave number; return count and mean density of each bin."""
+    """Average a scan's spectral density in bins of wave number; return wave vector count and mean density per bin."""
     min_wave_number, max_wave_number = (2 * math.pi / wavelength for wavelength in reversed(band))
     if isinstance(body, Profile):
         ring_spectrum = isotropic_spectrum(levelled(body, "line"))

@@ -223,7 +223,7 @@ def power_law_misfit(
     bins: PowerSpectrum | RadialSpectrum, band: tuple[float, float], exponent: float, *, dimensions: int = 1,
     chance: float = 0.0,
 ) -> float:  # fmt: skip
-    """Return the rms factor between a spectrum and a power law in a band, corrected for random scatter.
+    """Return the rms factor by which a spectrum deviates from a power law in a band, corrected for random scatter.
 
     `chance` is the variance of ln(density) that scatter causes in a single harmonic. The factor is 1 for a power law.
     """
@@ -238,7 +238,7 @@ def power_law_misfit(
 
 
 def _estimate_line_hurst_exponent(line: Profile, band: tuple[float, float] | None) -> HurstEstimate | None:
-    """Estimate the Hurst exponent of a map row or column; return None for a flat line or without a self-affine band."""
+    """Estimate the Hurst exponent of one line of a map; return None if the line is flat or has no self-affine band."""
     try:
         return estimate_hurst_exponent(line, band=band)
     except ValueError:

@@ -113,7 +113,7 @@ class VolumeParameters(NamedTuple):
 
 
 def material_volumes(heights: Floats) -> VolumeParameters:
-    """Compute material and void volumes per area of peaks, core and valleys, for material ratios of 10 % and 80 %."""
+    """Compute material and void volumes per area; material ratios of 10 % and 80 % separate peaks, core and valleys."""
     core_top, core_bottom = heights_at_material_ratios(heights, [PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO]).tolist()
     peak_volume, volume_above_bottom = (
         float(np.maximum(heights - core_limit, 0).mean()) for core_limit in (core_top, core_bottom)

@@ -303,7 +303,7 @@ _NAME_ENDINGS_LIKE_UNITS = ("point", "points", "pt", "pts", "line", "lines", "mi
 
 @dataclass(frozen=True)
 class ColumnHeadings:
-    """Names and units of the columns of a table, and the height unit from a header line that mentions only heights."""
+    """Names and units of the columns of a table, and the unit of the heights if a separate header line states it."""
 
     names: tuple[str, ...] = ()
     units: tuple[str | None, ...] = ()
@@ -416,7 +416,7 @@ def _find_column_units(lines: Sequence[str]) -> tuple[str, str] | None:
 
 
 def _list_plain_units(lines: Sequence[str]) -> list[tuple[str, str]]:
-    """Return pairs of unit and header line, for the lines that declare a unit but name no quantity."""
+    """Return the header lines that contain a unit but no name of a quantity, each as a pair (unit, line)."""
     return [(match[1], line) for line in lines if (match := _PLAIN_UNIT_PATTERN.fullmatch(line))]
 
 
@@ -504,7 +504,7 @@ def _is_declaration(line: str) -> bool:
 
 
 def _find_last_line_with_letters(lines: Sequence[str]) -> str | None:
-    """Return the last header line with letters, without leading comment characters.
+    """Return the last header line that contains letters, after removing its leading comment characters.
 
     Returns None without such a line.
     """
@@ -770,7 +770,7 @@ def _find_unknown_unit(name: str) -> str | None:
 
 
 def _is_unit_word(word: str) -> bool:
-    """Return whether a word is a unit of another quantity than length; words like units, such as "point", are not."""
+    """Return whether a word is a unit of a quantity other than a length; words such as "point" are not units."""
     return word.casefold() not in _NAME_ENDINGS_LIKE_UNITS and NON_LENGTH_UNIT_PATTERN.fullmatch(word) is not None
 
 

@@ -286,7 +286,7 @@ def _parse_length(name: str, text: Any, *, allows_zero: bool = False) -> Quantit
 
 
 def _resolve_unit(quantity_name: str, declared_unit: str | None, given_unit: str | None) -> str:
-    """Return the unit of positions or heights: the unit in the file or, without one, the caller's unit.
+    """Return the unit of positions or heights: the unit in the file, or the caller's unit if the file has none.
 
     Raises `FormatError` if there is no unit, or if the units of file and caller disagree.
     """
@@ -306,7 +306,7 @@ def _resolve_unit(quantity_name: str, declared_unit: str | None, given_unit: str
 
 
 def _choose_position_unit(raw: RawHeights, options: ReadOptions) -> str | None:
-    """Return the unit of positions that the caller gives; None if a unit in the file takes precedence.
+    """Return the caller's unit of positions, or None if the unit in the file takes precedence.
 
     The file's unit takes precedence over a single unit that the caller gives for all lengths.
     """
@@ -360,7 +360,7 @@ def _convert_heights(raw: RawHeights, options: ReadOptions) -> tuple[Floats, str
 
 
 def _choose_height_unit(raw: RawHeights, given: str | None) -> tuple[str, list[FileCaveat], list[str]]:
-    """Choose the unit of the heights, and return the unit, caveats, and history entries.
+    """Choose the unit of the heights, and return it with file caveats and entries for the scan's history.
 
     If the file declares a factor with a unit, this unit has priority.
     """
@@ -379,7 +379,7 @@ _NO_MAP_SPACING_MESSAGE = (
 
 
 def _require_unit_or_spacing(raw: RawHeights, options: ReadOptions) -> None:
-    """Raise a single `FormatError` if a scan file declares neither a unit nor a spacing, and the user gives neither."""
+    """Raise one `FormatError` if both unit and spacing are missing, in the scan file and in the user's options."""
     lacks_unit = raw.unit is None and options.height_unit is None
     lacks_spacing = options.spacing == (None, None) and all(
         value is None
@@ -411,7 +411,7 @@ def _describe_unclear_spacing(raw: RawHeights) -> str:
 
 
 def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> None:
-    """Raise `FormatError` if the header has a spacing without a unit that equals the user's spacing in no unit.
+    """Raise `FormatError` if no unit makes the header's spacing (which has no unit) equal to the user's spacing.
 
     Two spacings in a header line of uncertain meaning must equal the user's spacings in either order.
     """
@@ -455,7 +455,7 @@ def _reject_contradicting_grid(raw: RawHeights, spacing: tuple[float, float]) ->
 def _compute_spacings_from_size(
     size: tuple[DeclaredLength, DeclaredLength], shape: tuple[int, ...], given: tuple[Quantity | None, Quantity | None]
 ) -> tuple[tuple[float, float], list[str]]:
-    """Compute the spacings of a map from the size in the header, and return the spacings and a history entry.
+    """Compute the spacings of a map from its size in the header; return them with an entry for the map's history.
 
     A spacing given by the user is preferred, and must agree with the declared size within its rounding or 0.1 %.
     """
@@ -476,7 +476,7 @@ def _compute_spacings_from_size(
 def _determine_profile_spacing(
     raw: RawHeights, unit: str | None, given: Quantity | None
 ) -> tuple[float, list[str], list[FileCaveat]]:
-    """Return the spacing of a profile (µm), with history entries and caveats.
+    """Return a profile's spacing (µm), entries for the profile's history, and caveats about the file.
 
     The spacing is negative if the positions decrease.
     """
@@ -546,7 +546,7 @@ def _determine_profile_spacing(
 
 
 def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[FileCaveat]:
-    """Return a caveat if the first or last height in a column may be the spacing, because both numbers are equal."""
+    """Return a caveat if the first or last height equals the user's spacing, and so may be the spacing itself."""
     if given is None or raw.positions is not None or any(caveat.name == "first-number" for caveat in raw.caveats):
         return []
     end_numbers = {"first": float(raw.heights[0])}

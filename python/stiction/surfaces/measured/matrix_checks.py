@@ -1,4 +1,4 @@
-"""Checks that a table without column names is a matrix of heights: not a point list, statistics or a profile.
+"""Checks that a table without column names contains a map of heights, not points, statistics or a single profile.
 
 A matrix of heights has columns of one kind, in rows that follow each other. Tables of another kind are recognised by
 their numbers alone, because nothing else in the file distinguishes them.
@@ -43,7 +43,7 @@ _SUMMARY_STATISTICS: tuple[tuple[str, Callable[..., Any]], ...] = (
 
 
 def reject_points_and_statistics(values: Floats, column_numbers: Sequence[int]) -> None:
-    """Raise `FormatError` if a table contains x, y and z of points, or statistics, instead of a matrix of heights."""
+    """Raise `FormatError` if a table lists the coordinates of points or contains statistics, and not only heights."""
     if min(values.shape) < 3 and values.shape[1] != 3:
         return
     count = values.shape[1]
@@ -70,7 +70,7 @@ def reject_points_and_statistics(values: Floats, column_numbers: Sequence[int]) 
 
 
 def reject_coordinates_listed_before_heights(column: Floats) -> None:
-    """Raise `FormatError` if a column of numbers lists all x, then all y, and then the heights of grid points."""
+    """Raise `FormatError` if a column lists all x coordinates of grid points, then all y, and then all heights."""
     if column.size % 3 or column.size < 3 * MIN_GRID_POINTS:
         return
     points = column.reshape(3, -1).T
@@ -151,7 +151,7 @@ def _describe_unlike_columns(values: Floats, column_numbers: Sequence[int]) -> s
 
 
 def _find_statistics(values: Floats) -> str | None:
-    """Describe outer rows or columns of a matrix that contain statistics, such as column means, or return None."""
+    """Describe statistics, such as means, in the outer rows or columns of a matrix; return None if there are none."""
     for axis, line_kind in ((0, "row"), (1, "column")):
         lines = values if axis == 0 else values.T
         for side, ordered_lines in (("last", lines), ("first", lines[::-1])):

@@ -65,7 +65,7 @@ def read_npy(data: bytes) -> ColumnTable | RawHeights:
 
 
 def _read_metadata(file: io.BytesIO, data: bytes) -> tuple[tuple[float, ...], tuple[str, ...]] | None:
-    """Read the spacings and the history that `write_npy` has written after the heights, or return None.
+    """Read the spacings and the history that `write_npy` stores after the heights; return None if they are missing.
 
     Returns None if other content follows.
     """

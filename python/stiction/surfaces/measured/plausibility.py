@@ -102,7 +102,7 @@ def find_caveats(scan: ScannedHeights) -> tuple[FileCaveat, ...]:
 
 
 def _find_repeated_extremes(scan: ScannedHeights) -> Iterator[str]:
-    """Report extreme heights far from all other heights, which may be codes for missing points."""
+    """Report extreme heights that may be codes for missing points, because they are far from all other heights."""
     for code, count, distance in _find_missing_point_codes(scan):
         number = _to_number_in_file(code, scan)
         yield (
@@ -335,7 +335,7 @@ def _find_whole_number_heights(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _find_implausible_sizes(scan: ScannedHeights) -> Iterator[str]:
-    """Report a scan of at least a metre, a spacing of at least a centimetre, or a spacing below an ångström."""
+    """Report a scan that is at least a metre long, or a spacing of at least a centimetre or below an ångström."""
     for axis, points, axis_spacing in zip("xy", scan.heights.shape[::-1], scan.spacing[::-1], strict=False):
         if points * axis_spacing >= MAX_EXTENT:
             yield f"the scan is {points * axis_spacing / 1e6:.3g} m long along {axis}"
@@ -354,7 +354,7 @@ def _find_excessive_height_range(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _find_contradicted_height_range(scan: ScannedHeights) -> Iterator[str]:
-    """Report a height range that contradicts the range in the header: far larger, or smaller by a power of 1000.
+    """Report a height range that is far above the range in the header, or below it by a power of 1000.
 
     A declared range that is larger by any other factor may be the measuring range of the instrument.
     """

@@ -220,7 +220,7 @@ class ColumnTable:
     word_columns: tuple[WordColumn, ...] = ()
 
     def last_digit_value_function(self, column: int) -> LastDigitValueFunction | None:
-        """Return a function that computes the place values of the last printed digits in a column; None if unknown."""
+        """Return a function that computes the place value of each number's last printed digit in a column, or None."""
         digits = self.digits
         return None if digits is None else lambda: digits(column)
 
@@ -292,7 +292,7 @@ def parse_length_unit(text: str) -> str | None:
 
 
 def check_point_count(points: int, stored_bytes: int) -> None:
-    """Raise `FormatError` if a file declares more points than a file of this size can store, even compressed."""
+    """Raise `FormatError` if a file declares more points than a file of this size can store, even with compression."""
     if points > max(MAX_POINTS_OF_SMALL_MAP, MAX_POINTS_PER_BYTE * stored_bytes):
         raise FormatError(f"declares {points} points, but has only {stored_bytes} bytes")
 

@@ -376,7 +376,7 @@ def _read_profile_or_map(
     options: ReadOptions,
     convert: Callable[[RawHeights, str, ReadOptions], InterpretedScan[_Body]],
 ) -> _Body:
-    """Read a profile or height map from a file, and issue a `FormatWarning` for each caveat that is not accepted."""
+    """Read a profile or height map from a file, and issue a `FormatWarning` for each caveat the user did not accept."""
     reading = _interpret_file(path, options, convert)
     for caveat in reading.caveats:
         warn_caller(f"{printable_path(path)}: {caveat}", FormatWarning)

@@ -1,4 +1,4 @@
-"""Second step of reading a table: select the columns of heights, by options or from the numbers."""
+"""Second step of reading a table: select the columns of heights by the user's options or by the data in the columns."""
 
 from __future__ import annotations
 
@@ -153,7 +153,7 @@ def _remove_unit_from_name(name: str) -> str:
 
 
 def format_name_list(names: Sequence[str], numbers: Sequence[int] | None = None) -> str:
-    """Format the first few columns or channels, each as number and name, for an error message."""
+    """Format the first few names of columns or channels, each with its number, for an error message."""
     numbers = range(len(names)) if numbers is None else numbers
     numbered_names = list(zip(numbers, names, strict=True))
     shown_names = ", ".join(f"{index} ({printable_text(name)})" for index, name in numbered_names[:MAX_LISTED_NAMES])
