@@ -1160,7 +1160,7 @@ def westergaard_gap(
 def _compute_sinusoid_terms(
     x: ArrayLike, mean_pressure: ArrayLike, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """Return for a sinusoidal surface: sin(πx/λ), cos(πx/λ), mean pressure, full-contact pressure, height amplitude."""
+    """Return sin(πx/λ), cos(πx/λ), mean and full-contact pressure, and height amplitude of a sinusoidal surface."""
     p, d, wavelengths, e = validate_positive_arguments(
         mean_pressure=mean_pressure, amplitude=amplitude, wavelength=wavelength, effective_modulus=effective_modulus
     )

@@ -127,7 +127,7 @@ class FrictionLaw:
         return frictional + adhesive
 
     def load(self, name: str, sums: Any, area: Any = 1.0, fraction: Any = 1.0) -> Floats:
-        """Compute the "normal", "tangential" or another load (mN) from forces and areas summed over all contacts.
+        """Compute the load called `name` (mN), such as "normal", from forces and areas summed over all contacts.
 
         The sums are given as a mapping or as attributes. The true area is `area` times the area in the sums, and the
         contacts carry a fraction of mu0 F + tau0 A (see `OnsetState`).
@@ -199,7 +199,7 @@ class FrictionLaw:
     def onset(
         self, load: Any, hardness: Any, nominal_area: float, area: Callable[[Any], Floats], pressure: Any = None
     ) -> OnsetState:
-        """Return the state at the onset of sliding: true area and, for contacts that yield, the friction coefficient.
+        """Return true area and friction at the onset of sliding, for contacts that carry a given load (mN).
 
         Parameters
         ----------
@@ -236,7 +236,7 @@ class FrictionLaw:
         )
 
     def _compute_remaining_friction_fraction(self, load: Any, area: Any, pressure: Any, hardness: Any) -> Floats:
-        """Return the fraction of the friction force that remains because the softer body's shear strength limits it.
+        """Return the friction force, limited by the softer body's shear strength, relative to the unlimited force.
 
         The traction at each point is the smaller of mu0 p + tau0 and the shear strength k. The pressures p follow a
         Weibull distribution over the true area, which is limited at `pressure` and has the mean load/area. The
@@ -257,7 +257,7 @@ class FrictionLaw:
 
 @dataclass(frozen=True)
 class OnsetState:
-    """True area of a pair's contacts at the onset of sliding, and friction coefficient if the contacts yield.
+    """True area of a pair at the onset of sliding, and the friction coefficient that applies if all contacts yield.
 
     Attributes
     ----------
@@ -316,7 +316,7 @@ def _compute_limited_pressure_ratio(limit: Any, mean: Any) -> Floats:
 
 @lru_cache(maxsize=1)
 def _tabulate_limited_pressure_ratios() -> Floats:
-    """Tabulate mean(min(p, limit)) / mean(p) of Weibull-distributed p on a grid of mean(p) and limit/(limit + mean(p)).
+    """Tabulate mean(min(p, limit)) / mean(p) for Weibull-distributed p, over mean(p) and limit/(limit + mean(p)).
 
     A pressure exceeds p < 1 with the probability exp(-rate p^shape). The shape, 1.5 - 0.65 mean(p), was fitted to rough
     pairs from elastic to plastic contact. The rates are found by bisection.
@@ -387,7 +387,7 @@ class ContactSums:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Validity(TextReprMixin):
-    """Indicators of whether the asperity model is valid at each approach, such as the mean ratio of overlap to radius.
+    """Indicators, such as the mean overlap/radius, of whether the asperity model is valid at each approach (µm).
 
     Load fractions are NaN without contact.
 
@@ -461,7 +461,7 @@ VALIDITY_RATIOS: dict[str, tuple[str, tuple[str, ...]]] = {
 
 
 def validity_ratio(name: str, sums: Any) -> Floats:
-    """Compute the validity indicator with a given name from forces and areas summed over all contacts.
+    """Compute the validity indicator `name` of the asperity model from forces and areas summed over all contacts.
 
     Returns NaN if numerator and denominator are zero.
 
@@ -499,7 +499,7 @@ def _get_sum(sums: Any, name: str) -> Any:
 
 
 def sums_per_load(sums: Mapping[str, Any]) -> dict[str, float]:
-    """Return contributions to normal and tangential load (elastic, frictional, adhesive) per elastic normal load."""
+    """Return the contributions to normal and tangential load, each divided by the elastic normal load."""
     return {name: float(sums[name] / sums["normal_elastic"]) for name in LOAD_SUM_NAMES}
 
 
@@ -592,7 +592,7 @@ def choose_statuses(
 
 
 def statuses_of_approaches(contact_count: ArrayLike, normal: Floats) -> NDArray[Any]:
-    """Return the status at each approach, "ok", "self-locked" or "no-contact", from contact counts and loads (mN)."""
+    """Return one status for each contact count and normal load (mN): "ok", "self-locked" or "no-contact"."""
     return choose_statuses(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 

@@ -245,7 +245,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def _separation_solutions(self) -> tuple[list[ContactSolution], str]:
-        """Contact solutions while the surfaces are pulled apart, and why the pull-off force is uncertain (or "")."""
+        """Contact solutions during separation, and why the pull-off force is uncertain ("" if it is certain)."""
         contact_solution = self._contact_solutions[int(np.argmin(self.load))]
         return solve_separation(contact_solution, tolerance=self._tolerance, record=self._record)
 
@@ -679,7 +679,10 @@ def _make_curve(
 def _compute_contact_sums(
     model: ContactModel, contacts: Sequence[ContactSolution], sums: PatchSums
 ) -> dict[str, Floats]:
-    """Return areas and forces summed over all contacts, by name, in the shape (k loads,) or (d directions, k loads)."""
+    """Return forces and areas, summed over all contacts, by name; the last axis counts the contact solutions.
+
+    Arrays have the shape (k,) or, if they depend on the direction and the model has a list of d directions, (d, k).
+    """
     totals = sums.totals(model.sliding)
     if contacts[0].problem.work_of_adhesion > 0:
         totals["normal_elastic"] = totals["normal_elastic"] - [solution.attraction_force for solution in contacts]

@@ -49,7 +49,7 @@ def get_half_space_grids(
     shape: tuple[int, ...], spacing: tuple[float, ...], effective_modulus: float, *, periodic: bool,
     remains_cached: bool = True,
 ) -> _core.HalfSpaceGrids:  # fmt: skip
-    """Return the grids on which a half-space problem is solved, and which contain the elastic kernels.
+    """Return the hierarchy of grids, with elastic kernels, on which a half-space contact problem is solved.
 
     Calls with equal arguments share the grids.
 
@@ -242,12 +242,18 @@ class ContactSolution:
 
     @cached_property
     def loading_compliances(self) -> tuple[float, float]:
-        """Compliances of the contact points below the hardness: two displacements (µm), see `cache_compliances`."""
+        """Compliances of the contact during loading, when only contact points below the hardness respond.
+
+        The compliances are two displacements (µm), which `cache_compliances` defines.
+        """
         return self._compute_compliances("loading_compliances")
 
     @cached_property
     def unloading_compliances(self) -> tuple[float, float]:
-        """Compliances of all contact points during unloading: two displacements (µm), see `cache_compliances`."""
+        """Compliances of the contact during unloading, when all contact points respond elastically.
+
+        The compliances are two displacements (µm), which `cache_compliances` defines.
+        """
         return self._compute_compliances("unloading_compliances")
 
     @cached_property
@@ -258,7 +264,7 @@ class ContactSolution:
         return self._linear_response if self.is_elastic else self._unloading_response
 
     def _compute_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return the pressures (sum 1 GPa) that a rigid motion causes at the points of a mask, and the approach (µm).
+        """Return the pressures (sum 1 GPa) at the points of a mask under a rigid displacement, and the approach (µm).
 
         The upper surface moves along z and, if the problem has free tilt, also tilts.
         """
@@ -271,7 +277,7 @@ class ContactSolution:
         return displacement, float((pressures * self.problem.uniform_pressure_displacement).sum())
 
     def _get_compliances(self, free_mask: NDArray[np.bool_]) -> tuple[float, float]:
-        """Return the compliances of points below the hardness if `free_mask` selects them, otherwise of all points."""
+        """Return `loading_compliances` if the mask is `below_hardness`, otherwise `unloading_compliances`."""
         return self.loading_compliances if free_mask is self.below_hardness else self.unloading_compliances
 
     def _compute_stiffness(self, free_mask: NDArray[np.bool_]) -> float:
@@ -331,7 +337,7 @@ def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) 
 
 
 def sum_friction_over_patches(solutions: Sequence[ContactSolution], directions: Floats) -> PatchSums:
-    """Return forces and areas of each contact patch in k contact solutions, for m directions of motion."""
+    """Return forces and areas of each contact patch in several contact solutions, for each direction of motion."""
     problem = solutions[0].problem
     # With free tilt, each load has its own contact problem, because the tilt changes the gap.
     if any(solution.problem is not problem for solution in solutions):
@@ -525,7 +531,7 @@ class TiltResponse:
 
     @classmethod
     def solve(cls, problem: HalfSpaceProblem, free_mask: NDArray[np.bool_]) -> TiltResponse:
-        """Compute pressures at the points of a mask for a mean pressure of 1 GPa, and their change with tilt."""
+        """Compute how the pressures at the points of a mask respond to a mean pressure of 1 GPa and to a tilt."""
         max_pressure = np.where(free_mask, MAX_LINEAR_RESPONSE_PRESSURE, 0.0)
         arms = lever_arms(problem)
 
@@ -556,7 +562,7 @@ class TiltResponse:
         return cls(pressure, approach, moments, slope_pressures, (moments_per_slope + moments_per_slope.T) / 2)
 
     def balanced_response(self) -> tuple[Floats, float]:
-        """Return pressures (sum 1 GPa) whose resultant acts at the centre because of a tilt, and the approach (µm)."""
+        """Return the pressures (sum 1 GPa) and the approach (µm) at the tilt at which the pressures cause no moment."""
         slopes = -np.linalg.lstsq(self.moments_per_slope, self.moments, rcond=None)[0]
         pressure = self.pressure + sum(
             slope * slope_pressure for slope, slope_pressure in zip(slopes, self.slope_pressures, strict=True)

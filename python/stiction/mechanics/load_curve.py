@@ -156,7 +156,7 @@ class LoadCurve(FrictionCurve, ContactSums):
 
     @property
     def validity(self) -> Validity:
-        """Indicators of whether the asperity model is valid at each approach."""
+        """Indicators of whether the asperity model is valid at each approach (µm)."""
         return Validity.from_sums(self)
 
 
@@ -203,7 +203,7 @@ class SurfaceLoadCurve(LoadCurve):
 
     @property
     def validity(self) -> SurfaceValidity:
-        """Indicators of whether the asperity model is valid at each approach."""
+        """Indicators of whether the asperity model is valid at each approach (µm)."""
         return SurfaceValidity.from_sums(self)
 
     def lateral_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:

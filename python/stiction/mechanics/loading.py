@@ -108,7 +108,7 @@ def approach_at_load(
 
 
 class SurfacePair:
-    """Pair of surfaces that stores the minima of the gap between both for reuse in later calls of `press`."""
+    """Pair of surfaces that stores the minima of its gap, so that later calls of `press` can reuse these minima."""
 
     def __init__(self, upper: Profile | Surface, lower: Profile | Surface) -> None:
         check_pair(upper, lower)
@@ -168,7 +168,7 @@ class SurfacePair:
 def find_approaches_at_loads(
     bodies: SurfacePair, loads: Floats, *, mu0: float, tau0: float, model: ContactModel
 ) -> tuple[Floats, NDArray[np.str_]]:
-    """Return for each load (mN) the smallest approach (µm) that supports the load, and "ok" or why no approach does."""
+    """Return for each load (mN) the smallest approach (µm) that supports it, and "ok" or why the approach is NaN."""
 
     def normal_load(sums: ContactSums) -> Floats:
         return friction.FrictionLaw(mu0, tau0).load("normal", sums)

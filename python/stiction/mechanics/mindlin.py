@@ -58,9 +58,10 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
 
 
 def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
-    """Return for each elliptic contact the mean sin² of the angle to the motion, an argument of `compliance_ratio`.
+    """Return mean sin² φ of each elliptic contact; φ is the angle between the motion and the line to a loaded point.
 
-    `axes` are the semi-axes, and `angle` (rad) is the angle between the motion and the larger semi-axis.
+    The mean is the `transverse_fraction` of `compliance_ratio`. `axes` are the semi-axes, and `angle` (rad) is the
+    angle between the motion and the larger semi-axis.
     """
     from scipy.special import ellipkm1, elliprd
 
@@ -147,7 +148,7 @@ class AsperityTangentialProblem:
         return float(((strength * slip_distance * sine) @ weights * end_angle[:, 0]).sum())
 
     def _spring_strengths(self, sine: Floats) -> Floats:
-        """Return strengths (mN) of the springs that represent each contact: 3/4 mu0 F s² + 2/π tau0 A s, s = `sine`."""
+        """Return the strengths (mN) of springs that model each contact: 3/4 mu0 F s² + 2/π tau0 A s at s = `sine`."""
         return np.asarray(
             0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
         )

@@ -36,7 +36,7 @@ DISPLACEMENT_TOLERANCE = 1e-7
 
 @dataclass(frozen=True)
 class SlipState:
-    """State of partial slip at one tangential load (mN): displacement (µm), slipped area and load fractions, tractions.
+    """Partial slip at one tangential load (mN): displacement (µm), tractions (GPa), slipped fractions of area and load.
 
     `point_displacements` are the displacements of the contact points if the solver returned them.
     """

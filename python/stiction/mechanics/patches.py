@@ -78,7 +78,10 @@ class PatchSums:
         }
 
     def directed_totals(self, sliding: SlidingRule) -> list[Floats]:
-        """Return forces and areas summed over patches with friction: an array of shape (directions, k) per quantity."""
+        """Sum forces and areas over the patches where friction acts; each array has one row per direction of motion.
+
+        The arrays have the shape (directions, k) for k contacts.
+        """
         sums = (self.leaning, self.upward, self.forward, self.upward_area, self.forward_area)
         if sliding == "all":
             return [self._sum_over_patches(values) for values in sums]

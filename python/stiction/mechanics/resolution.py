@@ -58,7 +58,7 @@ def resolution(
     tolerance: float = 1e-6,
     progress: Callable[[int, int], object] | None = None,
 ) -> xr.Dataset:
-    r"""Compute contact area and friction of a pair at several cutoff wavelengths, and bounds on both for finer scans.
+    r"""Compute area and friction of a pair at several cutoffs (µm), and bounds on area and friction for finer scans.
 
     Parameters
     ----------
@@ -389,7 +389,7 @@ def _add_plastic_limits(
     result: xr.Dataset, body_pair: _BodyPair, loads: Floats, elastic_solution: dict[str, Floats], modulus: float,
     hardness: float | None, strengths: tuple[float, float] | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Extend a `resolution` dataset by extrapolated elastic areas and by the wavelength at which the contacts yield."""
+    """Extend a `resolution` dataset by elastic areas of finer scans and by the wavelength at which contacts yield."""
     gap = body_pair.compute_gap(body_pair.upper, body_pair.lower)
     roughness = scale_dependent_roughness(gap, periodic=body_pair.periodic)
     hurst_estimate = brackets.estimate_gap_hurst_exponent(gap, body_pair.periodic)

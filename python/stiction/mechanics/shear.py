@@ -266,7 +266,7 @@ class ShearBox:
         return upper_slopes, lower_slopes
 
     def _find_edges(self, offset: NDArray[np.int64]) -> Floats:
-        """Return an array over the overlap that marks the points on an edge of exactly one face.
+        """Return an array over the overlap of both faces that marks the points at an edge of exactly one face.
 
         A point is 0 at an edge of the upper face only, 1 at an edge of the lower face only, and NaN elsewhere.
         """
@@ -521,10 +521,11 @@ def _compute_measured_area(upper: Profile | Surface, lower: Profile | Surface) -
 def _search_elastic_load(
     compare_load: Callable[[float], tuple[float, float]], load_guess: float, load: float, max_load: float
 ) -> Status:
-    """Search for the elastic load (mN) at which the normal load reaches its target, and return the search status.
+    """Search for the frictionless load (mN) at which the normal load reaches its target, and return a status.
 
-    `compare_load` returns the excess of the normal load over its target, and the target, at an elastic load (mN). The
-    method is a bracketed secant method. The last call of `compare_load` is at the elastic load that was found.
+    The load without friction is the elastic load. `compare_load` returns the excess of the normal load over its target,
+    and the target, at an elastic load (mN). The method is a bracketed secant method. The last call of `compare_load` is
+    at the elastic load that was found.
     """
     lower_load_limit, upper_load_limit = 0.0, max_load
     trial_load, last_trial = min(load_guess, 0.9 * max_load), None

@@ -38,7 +38,7 @@ class SolutionRecord:
         return compute()
 
     def read_state(self) -> StepResult | None:
-        """Return the stored state of the current step if an earlier run was interrupted in it, otherwise None."""
+        """Return the state that an interrupted run stored during the current step, or None without such a state."""
         return None
 
     def offer_state(self, get_state: Callable[[], StepResult]) -> None:
