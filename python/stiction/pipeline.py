@@ -125,7 +125,7 @@ def complete_result(
     print_remark: LinePrintFunction = _ignore_line, announce: LinePrintFunction = _ignore_line,
     show_result: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
-    """Compute the members that are missing in a study's directory, or only a part of them, and return the result.
+    """Compute all or a part of the members that are missing in a study's directory, and return the result.
 
     If no part is given, the companion results are computed too.
 

@@ -149,7 +149,7 @@ def _list_dims(study: Study, name: str) -> tuple[str, ...]:
 
 
 def stack_members(study: Study, members: Sequence[ArraysByName]) -> ArraysByName:
-    """Stack the arrays of several members along a new axis, which follows existing axes such as the cutoff."""
+    """Stack the arrays of several members along a new axis, which is placed after existing axes such as the cutoff."""
     axis = len(study.surfaces.cell_coordinates())
     return {
         name: np.stack([member[name] for member in members], axis=0 if name in MEMBER_COORDINATE_TYPES else axis)

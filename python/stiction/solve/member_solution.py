@@ -553,7 +553,7 @@ def _find_members_with_additional_work(study: Study) -> range:
 
 
 def _estimate_adhesion_iterations(study: Study) -> float:
-    """Estimate the number of solver iterations that adhesion adds, for slow convergence and for the pull-off force."""
+    """Estimate how many iterations adhesion adds, by slower convergence and by the search for the pull-off force."""
     factor = ADHESION_ITERATIONS_AT_UNIT_RATIO[study.is_areal]
     min_ratio = factor / MAX_ADHESION_ITERATIONS[study.is_areal]
     return factor / max(_estimate_elasticity_to_adhesion_ratio(study), min_ratio)

@@ -115,7 +115,7 @@ class MembersInProgress:
 
 
 def compute_steps_key(inputs: str, modules: tuple[Path, ...] = ()) -> str:
-    """Compute the key that identifies stored results of steps: a checksum of inputs, software and machine.
+    """Compute the key under which solved steps are stored: a checksum of the inputs, the software and the machine.
 
     Steps with the same key are equal in every bit. `modules` are Python modules that determine, besides the solver, the
     steps into which a computation is divided.
@@ -158,7 +158,7 @@ def find_members_in_progress(directory: Path) -> set[int]:
 
 
 def find_steps_with_other_keys(directory: Path, member: int, key: str) -> list[Path]:
-    """Return the directories in which a member's steps are stored under another key (checksum) than `key`.
+    """Return the directories in which steps of a member are stored with a key (checksum) other than `key`.
 
     Such steps belong to other inputs, other software or another machine.
     """

@@ -690,9 +690,10 @@ def parse_contact_settings(
 
 
 def _add_loads_outside_range(given_loads: Floats, margin: float, num_loads: int) -> Floats:
-    """Add `num_loads` loads (mN) in geometric progression, from below the smallest to above the largest given load.
+    """Merge given loads (mN) with a geometric progression of `num_loads` loads that extends beyond them at both ends.
 
-    The progression begins below the smallest given load and ends above the largest, each by the factor `margin`.
+    The progression begins below the smallest given load and ends above the largest, each by the factor `margin`. Loads
+    of the progression that equal a given load are omitted.
     """
     load_series = np.geomspace(given_loads.min() / margin, given_loads.max() * margin, num_loads)
     is_new_load = np.abs(load_series[:, np.newaxis] / given_loads - 1).min(axis=1) > 1e-6

@@ -338,7 +338,7 @@ class InterfaceStrength:
         return "\n".join(["Interface", *rows, *(f"  {key:<14}  {text}" for key, text in self.about.items())])
 
     def with_caveats(self, entry: str, texts: Sequence[str]) -> Self:
-        """Return a copy of the interface with further caveats in the header, in the entry for faults or for cautions.
+        """Return a copy of the interface with caveats added to the file-header entry for faults or for cautions.
 
         Interface files contain the caveats, so that they also apply to the coefficients of pairs with this interface.
         """
@@ -417,7 +417,7 @@ class InterfaceStrength:
 
     @property
     def samples_at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
-        """Samples of mu0 and tau0 (GPa) for each fit with mu0 = 0 or tau0 = 0 that the tests do not exclude."""
+        """Samples of mu0 and tau0 (GPa) from those fits with mu0 = 0 or with tau0 = 0 that the tests do not exclude."""
         return tuple((fit.mu0, fit.tau0) for fit, _ in self.sampled_fits[1:])
 
     def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> ValueWithLimits:
@@ -484,7 +484,7 @@ def has_growth_of_tests(growth: UncertainInput | None, test_growth: UncertainInp
 
 
 def compute_coverage_at_bound(values: Floats) -> float:
-    """Return the interval coverage of a fit with mu0 or tau0 fixed at 0, from samples of a fit with both free.
+    """Return the interval coverage for a fit with mu0 = 0 or tau0 = 0, from samples of this parameter in a free fit.
 
     A normal density falls to exp(-z²/2) of its maximum at z standard deviations. At 0, where the density falls to
     exp(-d²/2), the part of the 95 % region with z² < 1.96² - d² remains. This probability is 95 % if the density at 0
@@ -700,7 +700,7 @@ def _published_interfaces() -> dict[str, dict[str, str]]:
 
 
 def read_interface_entries(path: str | Path) -> dict[str, dict[str, str]]:
-    """Return kind, mu0, tau0 and other texts of an interface file or of all such files in a directory, by file name.
+    """Return kind, mu0, tau0 and other entries of one interface file, or of each file in a directory, by file name.
 
     Files of other kinds in the directory are ignored.
     """
@@ -798,9 +798,10 @@ class InterfaceSettings(SettingsSection):
 
     @property
     def caveats_of_missing_file(self) -> dict[str, str] | None:
-        """Stored caveats of the tests by header entry; None if no caveats are stored or the interface file exists.
+        """Stored caveats of the friction tests, by header entry, if the interface file is missing; otherwise None.
 
-        The caveats are unknown if the file has changed, or if an older version of the program stored this section.
+        None also if no caveats are stored. The caveats are unknown if the file has changed, or if an older
+        version of the program stored this section.
         """
         if self.faults is None or self.cautions is None or os.path.lexists(self.file):
             return None

@@ -93,7 +93,7 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
         return float(self.cell_coordinates()["cut_off"][0])
 
     def get_scan_cut_offs(self, wavelength: float) -> ScanCutoffs:
-        """Return the cutoff (µm, 0 for no filter) of each upper scan and each lower scan, for a given pair cutoff."""
+        """Return the cutoff (µm, 0 for no filter) of each scan of both bodies, which is at most the given cutoff."""
         upper, lower = (
             tuple(scan.select_cut_off_of_scan(wavelength) for scan in getattr(self, side).scans) for side in SIDES
         )
@@ -264,7 +264,7 @@ class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> MapMemberSource | GapMemberSource:
-        """Return a source of members: surrogates and then pairs of map pieces, or the one member of a measured gap."""
+        """Return a source of members: surrogates, pairs of map pieces, or a measured gap as the only member."""
         upper, lower = self.filter_scans(scans, cut_offs)
         if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
             raise ValueError('surfaces.press must be "lines" or "surrogates" for a profile, got "areas"')

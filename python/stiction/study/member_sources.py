@@ -82,7 +82,7 @@ of array axes.
 
 @dataclass(frozen=True)
 class BodyAttributes:
-    """Nominal area and attributes, such as grid and history, that a result stores about measured bodies.
+    """Nominal area, grid, processing history and other attributes of the measured bodies, as stored in a result.
 
     Both are empty for generated bodies.
     """

@@ -44,7 +44,10 @@ TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}
 
 
 def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
-    """Generate random phases (rad) of one body for Eq. 1 of the paper: a row per direction, a column per frequency."""
+    """Generate random phases (rad) of one body's fractal surface, as an array of shape (directions, frequencies).
+
+    The surface is a Weierstrass-Mandelbrot surface (Eq. 1 of the paper).
+    """
     surfaces: Any = study.surfaces
     return fractal.random_phases(
         study.ensemble.seed, repetition=repetition, side=side, directions=surfaces.directions,
@@ -53,7 +56,10 @@ def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
 
 
 def _get_weierstrass_arguments(surfaces: Any) -> dict[str, Any]:
-    """Return the parameters of Eq. 1 of the paper for profiles: length scale, γ, definition of D, and band limit."""
+    """Return the parameters of Weierstrass-Mandelbrot surfaces: length scale, γ, definition of D, and band limit.
+
+    The surfaces, profiles or height maps, are defined by Eq. 1 of the paper.
+    """
     return {
         "length_scale": float(surfaces.length_scale), "gamma": surfaces.gamma, "convention": surfaces.convention,
         "band_limit": None if surfaces.band_limit == "none" else surfaces.band_limit,
@@ -270,7 +276,10 @@ class PreparedBodies:
 
     @cached_property
     def _pressed_bodies(self) -> list[Profile | Surface]:
-        """Low-pass filtered scans, one per body, from which members are cut; empty for a measured gap or spectra."""
+        """First scan of each body after low-pass filtering; empty for a measured gap or for spectra.
+
+        The members of a study are cut from these and any further scans.
+        """
         pairs = getattr(self.members(self._surfaces.reported_cut_off()), "pairs", None)
         filtered_scans = [getattr(pairs, side, None) for side in SIDES]
         bodies = [body for body in filtered_scans if isinstance(body, Profile | Surface)]
@@ -290,9 +299,10 @@ class PreparedBodies:
 
     @cached_property
     def _drift_attributes(self) -> dict[str, Any]:
-        """Drift of the roughness along the scan of each body that has a single scan, as attributes of a result.
+        """Attributes of a result: roughness drift along the scan of each body that has a single scan.
 
-        Each attribute also contains the body's fraction of the mean square slope of the gap.
+        Each attribute contains the drift and the body's fraction of the mean square slope of the gap. A body without
+        drift has no attribute.
         """
         bodies = self._pressed_bodies
         if not bodies:
