@@ -166,7 +166,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
 
 
 def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[Floats]) -> Floats:
-    """Divide two deviations of the height at each point by their typical values, and return the smaller ratio.
+    """Return the smaller of two ratios at each point, each a deviation of the height divided by its typical value.
 
     A ratio that is NaN is ignored.
     """
@@ -176,7 +176,7 @@ def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[F
 
 @dataclass(frozen=True, eq=False)
 class _NeighbourDeviations:
-    """Deviations of heights from neighbouring heights in a scan: medians, and deviations divided by their median.
+    """Deviations of heights from neighbouring heights: medians over a scan, and deviations divided by the median.
 
     Edge points have a different median than other points.
     """
@@ -242,7 +242,7 @@ def _find_neighbour_deviations(
 def _compute_deviations_from_neighbours(
     heights: Floats, remaining_heights: Floats
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return two measures of how far each height deviates from its neighbours, and a mask of edge points.
+    """Return two measures of each height's deviation from its neighbours, and a mask of points at edges of the data.
 
     The first measure compares a height with means of opposite neighbours, and the second with lines through two
     neighbours on one side. Deviations are NaN at points with too few measured neighbours. Maps are evaluated in strips
@@ -264,7 +264,7 @@ def _compute_deviations_from_neighbours(
 def _compute_deviations_in_strip(
     heights: Floats, padded_heights: Floats, reach: int
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return two deviations of each height from its neighbours, and a mask of edge points, for a strip of a scan.
+    """Return two deviations from neighbours for each height in a strip, and a mask of points at edges of the data.
 
     A strip is a range of map rows, or a whole profile.
     """

@@ -247,7 +247,7 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
 
 
 def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
-    """Return the first and the exclusive end index of a crop along one axis, and an entry for the history."""
+    """Return the first index and the exclusive end index of a crop along one axis, and the cropped range as text."""
     extent = points * spacing
     start = validate_number("start", start, unit="µm")
     stop = extent if stop is None else validate_number("stop", stop, unit="µm")

@@ -34,7 +34,7 @@ _CORRELATION_PEAK_HALF_WIDTH_FRACTION = 0.05
 
 @dataclass(frozen=True)
 class Registration:
-    """Result of a registration of two faces: shift and rotation of the upper face, slope correlation, and rms gaps.
+    """Result of registering two faces: upper face's shift and rotation, slope correlation, rms gap before and after.
 
     Attributes
     ----------
@@ -275,7 +275,7 @@ def _convert_centre_shift_to_corner_offset(shift: tuple[float, ...], upper: Any,
 
 
 def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) -> _FacePosition:
-    """Convert a face position from coarse grids to the original grids, and correct for their different middles."""
+    """Convert the relative position of two faces from coarsened grids to the full grids, whose middles can differ."""
     shift = tuple(
         distance + (upper_points % factor - lower_points % factor) / 2 * spacing
         for distance, upper_points, lower_points, spacing in zip(
@@ -286,7 +286,7 @@ def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) 
 
 
 def _find_grid_offset(upper: Any, lower: Any, position: _FacePosition) -> tuple[int, ...] | None:
-    """Return the offset (in whole points) of the upper face at a position, or None if the position is off the grid.
+    """Return the upper face's offset in whole points at a position, or None if the grids of both faces do not match.
 
     Deviations of up to `GRID_TOLERANCE` points from the grid are ignored.
     """

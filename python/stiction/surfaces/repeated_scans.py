@@ -346,7 +346,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
     )
 
     def sum_products(power_of_a: int, power_of_b: int) -> Floats:
-        """Return the sum of a^`power_of_a` · b^`power_of_b` over the overlap of the heights a and b, at each shift."""
+        """Return the sum of a^`power_of_a` · b^`power_of_b` over overlapping heights a and b, at each shift of b."""
         return np.asarray(irfftn(transforms_of_a[power_of_a] * np.conj(transforms_of_b[power_of_b]), shape))
 
     count = np.maximum(np.rint(sum_products(0, 0)), 1)
@@ -365,7 +365,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
 def _slice_overlap(
     first_shape: tuple[int, ...], second_shape: tuple[int, ...], shift: Floats
 ) -> tuple[tuple[slice, ...], list[Floats]]:
-    """Return the overlap of two shifted scans: slices of the first scan, fractional indices into the second scan."""
+    """Return where two shifted scans overlap: slices into the first scan, fractional indices into the second scan."""
     selected_slices, positions = [], []
     for points, second_points, shift_along_axis in zip(first_shape, second_shape, shift.tolist(), strict=True):
         start = max(0, math.ceil(shift_along_axis) + (_OVERLAP_MARGIN_POINTS if shift_along_axis > 0 else 0))

@@ -654,7 +654,7 @@ def _find_noise_and_texture(
 
 
 def _falls_as_steeply_as_surface_spectra(q: Floats, density: Floats, wavelength_limit: float) -> bool:
-    """Return whether the spectrum of a textured surface falls towards short wavelengths as steeply as without noise.
+    """Return whether a textured surface's spectrum falls towards short wavelengths as steeply as one without noise.
 
     Noise that matters exceeds the harmonics at short wavelengths, and flattens their spectrum too. Cusps of unequal
     depth raise only the density between the harmonics.
@@ -766,7 +766,7 @@ def _is_noise_floor(wavelengths: Floats, density: Floats, chance_variance: Float
 def _fit_window_exponents(
     x: Floats, y: Floats, chance_variance: Floats, octaves: float
 ) -> Iterator[tuple[int, int, float, float]]:
-    """Fit a power law to a spectrum in each window that is `octaves` octaves wide.
+    """Fit power laws to a spectrum in overlapping windows, each `octaves` octaves wide.
 
     Yields first bin, exclusive end, exponent and its standard deviation.
     """
@@ -798,7 +798,7 @@ def _find_flattening_bin(
 
 
 def _find_bin_before_rise(points: Floats, density: Floats, chance_variance: Floats) -> int | None:
-    """Return the bin of lowest density, from which a spectrum rises strongly towards shorter wavelengths.
+    """Return the bin of lowest spectral density if the density rises strongly from there to shorter wavelengths.
 
     Returns None without a rise.
     """

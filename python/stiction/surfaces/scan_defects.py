@@ -94,7 +94,7 @@ class ScanDefects:
 
     @cached_property
     def num_spikes(self) -> int:
-        """Number of spikes in the scan. A spike is a sharp outlier, which must also be isolated in a profile.
+        """Number of spikes in the scan: outliers with an abrupt height change, which in profiles must also be isolated.
 
         Cusps and edges of machined surfaces are sharp too, but usually not outliers. Narrow scratches can be outliers,
         but are not isolated.
@@ -165,7 +165,7 @@ class ScanDefects:
         return limit.slope_fraction * noise_transmission / transmission
 
     def find_tip_limit(self, cut_off: float) -> InstrumentLimit | None:
-        """Return the instrument limit of a low-pass filtered scan if the tip sets this limit, otherwise None.
+        """Return the shortest reliable wavelength of a low-pass filtered scan if the tip limits it, otherwise None.
 
         The filter has the cutoff `cut_off` (µm, 0 for no filter). Returns None if no tip radius is given, if pixels or
         noise set the limit, or if shorter wavelengths contribute at most 1 % of the mean square slope. Raises a
@@ -264,7 +264,7 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
 
 
 def _fit_strip_trend(mean_square_slopes: Floats, axis: int) -> tuple[float, float]:
-    """Return the change of ln(rms slope) from one end of a scan to the other along an axis, and its variance.
+    """Return the change of ln(rms slope) along an axis, from one end of a scan to the other, and the change's variance.
 
     The change follows from a straight line that is fitted to the means of strips. Both numbers are 0 if a strip has no
     measured points or no slope.
@@ -328,7 +328,7 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
     min_height = _MIN_SPIKE_TO_RMS_RATIO * float(levelled(profile, "line").heights.std())
 
     def measure_from_flanks(heights: Floats, group: slice) -> Floats:
-        """Return heights around a group of outliers, measured from the line between the ends of their range."""
+        """Return heights of adjacent outliers and their flanks, relative to the line between the flanks' outer ends."""
         start, stop = max(group.start - _NUM_FLANK_POINTS, 0), min(group.stop + _NUM_FLANK_POINTS, outliers.size)
         baseline = np.linspace(remaining_heights[start], remaining_heights[stop - 1], stop - start)
         return heights[start:stop] - baseline

@@ -124,7 +124,7 @@ def _erode_by_tip(heights: Floats, spacing: Floats, radius: float) -> Floats:
 def _iterate_tip_offsets(
     shape: tuple[int, ...], spacing: Floats, radius: float, max_tip_height: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
-    """Yield array slices for each offset between grid points under the tip, and the tip's height at this offset.
+    """Yield array slices for each offset from the tip's lowest point, and the height (µm) of the tip surface there.
 
     The first slices select the points, the second their neighbours at the offset.
     """

@@ -235,7 +235,7 @@ def _find_contradicting_unit_caveat(table: ColumnTable, unit: str | None) -> tup
 
 
 def _has_height_range(heights: Floats, declared: DeclaredLength) -> bool:
-    """Return whether heights have the range that the header declares.
+    """Return whether the highest minus the lowest height equals the range of heights that the header declares.
 
     The result is false if the declared range has fewer than three significant digits.
     """
@@ -366,7 +366,7 @@ def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[st
 
 
 def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the first number or one of the last numbers of a column may not be a height.
+    """Return a caveat if the first number of a column or one of its last three numbers seems not to be a height.
 
     The first number may be the spacing or the size of the scan, and one of the last three may be the count of points.
     """
@@ -802,7 +802,7 @@ def _read_xyz_table(table: ColumnTable, *places: int) -> RawHeights:
 
 
 def _is_line_of_points(table: ColumnTable) -> bool:
-    """Return whether a table lists the points of a profile along x in columns x, y and z, with a constant y."""
+    """Return whether table rows are points (x, y, z) of a profile along x: y is constant, and no x occurs twice."""
     places = _find_xyz_columns(table)
     if places is None or table.is_array or (table.values.shape[1] != 3):
         return False
@@ -823,7 +823,7 @@ def _reject_ambiguous_columns(table: ColumnTable) -> RawHeights:
 
 
 def _describe_missing_information(table: ColumnTable) -> str:
-    """Return text for an error message that requests the unit of length and the spacing if a table lacks them.
+    """Return the end of an error message, which asks for the length unit, the spacing, or both if both are missing.
 
     The text is empty if the table has both.
     """

@@ -256,7 +256,7 @@ def _parse_optional_unit(unit: str | None) -> str | None:
 def find_first_match(
     pattern: LazyPattern, lines: Sequence[str], parse_match: Callable[[re.Match[str]], _T | None]
 ) -> _T | None:
-    """Return the first successful result of parsing the header lines that begin with a pattern.
+    """Parse the header lines whose start matches a pattern, and return the first result that is not None.
 
     Returns None if no line can be parsed.
     """
@@ -285,7 +285,7 @@ def _parse_unitless_number(match: re.Match[str]) -> float | None:
 
 
 def _parse_bare_number(number: str) -> float | None:
-    """Parse the number of a spacing that a header line declares without a unit.
+    """Parse a spacing that a header line gives as a number without a unit.
 
     Returns None if the number is not a possible spacing.
     """

@@ -385,7 +385,7 @@ def parse_number_block(
 
 
 def _rows_begin_with_positions(blob: bytes, cell_separator: bytes, count: int) -> bool:
-    """Return whether the first `count` rows and the next three rows begin with equally spaced positions."""
+    """Return whether the first cells of the first `count` + 3 rows are equally spaced numbers, as positions are."""
     first_cells = [row.split(cell_separator)[0] for row in blob.split(b"\n", count + 3)[:-1]]
     if not count or not all(map(_is_number, first_cells)):
         return False

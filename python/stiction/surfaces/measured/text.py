@@ -1,4 +1,4 @@
-"""Parsing of decoded text files, with the file layout of a known instrument or else as a table of numbers."""
+"""Parsing of decoded text files: in the file layout of a known instrument, or otherwise as a table of numbers."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def find_layout(text: DecodedText) -> TextLayout | None:
 
 
 def record_layout_and_encoding(content: ReaderResult, text: DecodedText, layout: str) -> ReaderResult:
-    """Return parsed content with the layout and the encoding of its text file recorded in the attribute `source`."""
+    """Return content parsed from a text file, with the file's layout and encoding added to the attribute `source`."""
     if isinstance(content, HeightChannels):
         read_channel = content.read
         return replace(content, read=lambda line: record_layout_and_encoding(read_channel(line), text, layout))  # type: ignore[arg-type, return-value]

@@ -1,4 +1,4 @@
-"""Conversion of a text to a table of numeric columns, or to one channel per table if there are several tables."""
+"""Conversion of a text to a table of numeric columns. If a text has several tables, each becomes a height channel."""
 
 from __future__ import annotations
 
@@ -222,7 +222,7 @@ def make_height_provenance(block: NumberBlock) -> HeightProvenance:
 
 
 def _include_label_line(text: DecodedText, first: int, last: int, dialect: Dialect) -> int:
-    """Return the index of the first line of a table, which may be a line of column positions above line `first`."""
+    """Return the index of a table's first line: `first`, or the line above it if that line has column positions."""
     line_above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
     if line_above < 0 or dialect.separator is None:
         return first
@@ -263,7 +263,7 @@ def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, run
 def _repeats_words(
     text: DecodedText, dialect: Dialect, kinds: list[str | None], cells: list[str], other_line: int
 ) -> bool:
-    """Return whether the cells of the line `other_line` have the same kinds and the same words as the given cells.
+    """Return whether a line has the same kinds of cell (such as number or text) as given cells, and the same texts.
 
     Adjacent rows often repeat a word, but the lines of a header rarely do. The result is false if none of several cells
     is a number.

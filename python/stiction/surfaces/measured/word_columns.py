@@ -94,7 +94,7 @@ def _may_mix_words_and_numbers(text: DecodedText, runs: Sequence[tuple[int, int]
 
 @dataclass
 class _TableWithTextColumns:
-    """Table in a text with both numeric columns and word columns, and the lines in which words mark missing points."""
+    """Table with columns of numbers and of words: its rows, counts of words, lines where a word marks missing data."""
 
     numeric_columns: set[int] = field(default_factory=set)
     lines: list[int] = field(default_factory=list)

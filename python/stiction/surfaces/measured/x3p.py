@@ -117,7 +117,7 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
 
 
 class _MainXml:
-    """Contents of main.xml in an X3P file: texts of the XML elements, keyed by path, and any points that it lists."""
+    """Contents of main.xml in an X3P file: texts of XML elements by path, and the points if main.xml lists any."""
 
     def __init__(self, archive: zipfile.ZipFile, directory: str) -> None:
         self.directory = directory
