@@ -77,7 +77,7 @@ def count_assessments_text(points: Sequence[PointSummary]) -> str:
 
 
 def _group_similar_caveats(points: Sequence[PointSummary]) -> list[list[Caveat]]:
-    """Group the caveats of all result points by severity and by text without numbers, with groups of faults first."""
+    """Group caveats of all result points by severity, and by text apart from numbers. Groups of faults come first."""
     groups: dict[tuple[str, str], list[Caveat]] = {}
     for caveat in (caveat for point in points for caveat in point.caveats):
         groups.setdefault((caveat.severity, _CAVEAT_NUMBER_PATTERN.sub("", caveat.text)), []).append(caveat)
@@ -103,7 +103,7 @@ def _merge_caveats(group: Sequence[Caveat]) -> Caveat:
 
 
 def _number_with_unit(number: tuple[str, str]) -> float:
-    """Return a number, given as two texts (number and unit), in the unit without prefix, such as Pa for kPa."""
+    """Convert a pair of texts (number, unit) to a number in the unit without prefix, such as Pa instead of kPa."""
     unit = number[1].strip()
     return float(number[0]) * (_PREFIX_FACTORS.get(unit[0], 1.0) if len(unit) > 1 and unit not in ("Pa", "m²") else 1.0)
 

@@ -95,7 +95,7 @@ def predict_wanted_pair(interface: Interface, result: Evaluation) -> WantedPairP
 def calibration_text(
     interface: Interface, pair_notes: Sequence[str] = (), prediction: WantedPairPrediction | None = None
 ) -> str:
-    """Return a calibration as text: mu0, tau0 and the sum mu0 + tau0 A/F, junction growth, and fits by sliding rule.
+    """Return a calibration as text: mu0 + tau0 A/F, mu0, tau0, junction growth, and the fit for each sliding rule.
 
     `pair_notes` are paragraphs about the tested pairs, such as notes on their lay. `prediction` replaces the table of
     tests that would separate mu0 and tau0.
@@ -136,7 +136,7 @@ def calibration_text(
 
 
 def _plan_conditions_text(conditions: PlanConditions) -> str:
-    """Return text on the friction tests that a plan proposes: the error of each test, and the loads to choose."""
+    """Return text on the friction tests that a plan proposes: the error assumed for each test, the loads to choose."""
     reason = "the median of your tests" if conditions.is_error_known else "because the errors of your tests are unknown"
     low, high = conditions.ball_area_per_load
     error_text = f"has an error of {format_percent(conditions.relative_error)}, {reason}."
@@ -174,7 +174,7 @@ def _describe_prediction(interface: Interface, prediction: WantedPairPrediction)
 
 
 def list_pair_caveats(interface: Interface) -> list[str]:
-    """Return a caveat for each fault of a tested pair that prevents quoting coefficients of the interface."""
+    """Return one caveat per fault of a tested pair, with the advice not to quote coefficients of the interface."""
     return [f"! {place}, do not quote: {fault}" for place, fault in interface.pair_faults]
 
 

@@ -44,7 +44,7 @@ def check_all_replaceable(directory: Path, file_marks: Mapping[str, bytes]) -> N
 
 
 def replace_text_file(path: Path, text: str, file_mark: bytes) -> None:
-    """Write a text file, which replaces an existing file only if this file contains `file_mark`.
+    """Write a text file, and replace an existing file of this name only if the existing file contains `file_mark`.
 
     Raises a `ValueError` if the existing file lacks the mark.
     """
@@ -160,7 +160,7 @@ def is_card(path: Path) -> bool:
 
 
 def check_file_extension(path: Path, descriptions: Mapping[str, str]) -> None:
-    """Raise a `ValueError` if a file name does not end in one of the extensions that `descriptions` explains."""
+    """Raise a `ValueError` if a file name does not end in one of the extensions that are keys of `descriptions`."""
     if path.suffix.lower() not in descriptions:
         allowed_extensions = " or ".join(f"{extension} ({text})" for extension, text in descriptions.items())
         raise ValueError(f"{printable_path(path)}: the file name must end in {allowed_extensions}")

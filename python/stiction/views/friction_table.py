@@ -76,7 +76,7 @@ def _format_law_table(law_table: xarray.Dataset, columns_by_name: tuple[str, ...
 
 
 def friction_table_text(table: xarray.Dataset, rules: Sequence[str] = SLIDING_RULE_ORDER) -> str:
-    """Return a friction table as text. Each row lists the fitted laws and the range of friction for one roughness."""
+    """Return a friction table as text, with one row per roughness: fitted laws, their misfit, range of coefficients."""
     pressure_range = " to ".join(format_with_unit(float(table["pressure"][i]), "GPa") for i in (0, -1))
     laws_text = "A/A0 = a p and k/A0 = b p^c with p in GPa; 95 % intervals over the repetitions"
     lines = [wrap_text(f"Pressures of {pressure_range}; {laws_text}"), ""]

@@ -42,7 +42,7 @@ HEIGHT_SCALE_NOTE = (
 
 
 def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
-    """Return friction of a pair with scaled heights as text: tables with one row per factor of the heights."""
+    """Return tables, as text, of the friction of a pair with scaled heights, with one row per height factor."""
     scaled_surfaces = NAMES_OF_SCALED_SURFACES[dataset.attrs["scaled"]]
     lines = [
         wrap_text(

@@ -221,7 +221,7 @@ def liggghts_card(table: JointTable, source: str) -> str:
 
 
 def _list_curve(table: JointTable) -> list[tuple[Estimate, Estimate]]:
-    """Return the closure curve for an input card, as pairs (pressure, closure) without the origin.
+    """Return the closure curve for another program's input card: pairs (pressure, closure) without the origin.
 
     Other programs require increasing closures. If the closure is counted from a pressure, a straight line leads from
     the origin to this pressure, so that the curve has no soft start. The closures of the curve then exceed those of the
@@ -242,9 +242,10 @@ def _list_curve(table: JointTable) -> list[tuple[Estimate, Estimate]]:
 
 
 def _find_start_closure(table: JointTable) -> float:
-    """Return the closure at the end of the initial straight line in an input card's curve, or 0 without a line.
+    """Return the closure at the end of the straight line that starts an input card's curve, or 0 if there is no line.
 
-    The line has the stiffness of closure at this pressure. The closure is 0 for closures since first contact.
+    The line ends at the pressure from which closure is counted, and has the closure stiffness at this pressure. The
+    result is 0 if closure is counted from first contact.
     """
     start_rows = [row for row in table.rows if row.pressure.value == table.closure_from.value]
     return start_rows[0].pressure.value / start_rows[0].estimates["closure_stiffness"].value if start_rows else 0.0

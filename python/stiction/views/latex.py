@@ -105,7 +105,7 @@ def _to_latex(text: str) -> str:
 
 
 def _point_cells(point: PointSummary, has_area: bool) -> list[str]:
-    """Return the cells of a row in the LaTeX table: coefficient by sliding rule, area fraction, and assessment."""
+    """Return the cells of a LaTeX table row: one coefficient per sliding rule, area fraction, and assessment."""
     coefficient_texts = [coefficient_text(point, rule) for rule in point.rules]
     if has_area:
         fraction = point.quantities["contact_area_fraction"].in_unit("%", 0.01)

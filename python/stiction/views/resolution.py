@@ -39,7 +39,7 @@ def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None, 
 
 
 def resolved_wavelengths_text(scan: ResolvedRoughness) -> str:
-    """Return a sentence on the resolved wavelengths, with the fraction of mean square slope in the shortest octave."""
+    """Return a sentence on the resolved wavelengths, and on the shortest octave's fraction of the mean square slope."""
     fraction = format_percent(scan.shortest_octave_fraction)
     return (
         f"Wavelengths from {format_with_unit(scan.shortest, 'um')} to {format_with_unit(scan.longest, 'um')}; "
@@ -85,7 +85,7 @@ def _coefficient_text(value: float) -> str:
 
 
 def cut_off_note(resolution: ResolutionEffect, study: Study) -> str:
-    """Return the note on the table of friction at cutoffs: number of surface pairs, meaning of the plastic limit."""
+    """Return the note on a table of friction at cutoffs: number of averaged results, meaning of the plastic limit."""
     count_text = study.member_names.with_count(resolution.members)
     text = f"The surfaces are low-pass filtered at the cutoff; means over {count_text}."
     if resolution.plastic_limit is not None:

@@ -215,7 +215,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
 def _merge_quantities(
     table: pandas.DataFrame, dataset: xarray.Dataset, study: Study, keys: Sequence[str]
 ) -> pandas.DataFrame:
-    """Add the columns of all quantities in a CSV file, with their interval limits, to a table of coefficients.
+    """Add columns to a table of coefficients: all quantities that the CSV file contains, with their interval limits.
 
     `keys` are the columns that identify the rows of a quantity, if the quantity depends on them. Quantities with the
     same rows are added in one step, because each step takes several milliseconds.
@@ -256,7 +256,7 @@ def _csv_quantities(dataset: xarray.Dataset) -> list[str]:
 
 
 def _build_coefficient_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return columns, keyed by title: the friction coefficient after each dwell time, and the roughness contribution.
+    """Return columns by title: friction coefficient after each dwell time, and contribution of roughness to friction.
 
     Each column has one number per result point and sliding rule, which is NaN for all rules except the reported rule.
     """
@@ -308,7 +308,7 @@ def _list_assumptions_in_file(point: PointSummary) -> list[str]:
 
 
 def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return columns with the longest cutoff (µm) of the upper body and of the lower body.
+    """Return two columns: longest cutoff (µm) among the upper body's scans, and among the lower body's scans.
 
     Returns no columns if both bodies have equal cutoffs at every result point.
     """

@@ -363,7 +363,7 @@ def list_assumptions(study: Study) -> tuple[str, ...]:
 
 
 def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
-    """Return the assumptions that the sentence to quote lists for a result point.
+    """Return the assumptions that are listed in the sentence with which a result point can be quoted.
 
     There are none for generated surfaces.
     """
@@ -434,7 +434,7 @@ def point_detail_sentences(point: PointSummary) -> list[str]:
 
 
 def _are_finer_scans_relevant(point: PointSummary) -> bool:
-    """Return whether finer scans may change friction noticeably, compared with the width of friction's interval."""
+    """Return whether finer scans may change friction by a considerable fraction of the width of its interval."""
     if point.bracket is None:
         return False
     width = max((rule.upper - rule.lower for rule in point.rules if rule.rule == "all"), default=math.nan)

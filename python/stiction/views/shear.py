@@ -246,7 +246,7 @@ _INTERVAL_LABELS = {
 
 
 def _list_interval_caveats(test: xarray.Dataset) -> list[str]:
-    """Return a list with a caveat if intervals are open or missing because the contact has no finite solution."""
+    """Return a list with a caveat if interval limits are infinite or missing, as a contact has no finite solution."""
     open_texts = []
     for name, (label, points) in _INTERVAL_LABELS.items():
         if f"{name}_interval" not in test:
@@ -266,7 +266,7 @@ def _list_interval_caveats(test: xarray.Dataset) -> list[str]:
 
 
 def _list_fit_caveats(attributes: Mapping[Any, Any]) -> list[str]:
-    """Return a list with one caveat if two faces fit poorly, or if the gap between them is too large to be noise."""
+    """Return a list with a caveat if the slopes of two faces agree poorly, or if the gap is too large to be noise."""
     correlation, is_registered = float(attributes["fit_correlation"]), "registration_rms_gap_um" in attributes
     if correlation < MIN_FIT_CORRELATION:
         if not is_registered:

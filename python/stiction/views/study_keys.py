@@ -128,7 +128,7 @@ def _models_with_key(
     section_classes: Sequence[type[values.SettingsSection]],
     base_classes: Sequence[type[values.SettingsSectionVariant]],
 ) -> list[str]:
-    """Return one phrase per kind of section in which a key of a study file is allowed.
+    """Return descriptions of the study-file sections in which a key is allowed, one per kind of section.
 
     If all subclasses of a base class have the key, the description of the base class replaces their descriptions.
     """

@@ -144,7 +144,7 @@ def friction_parameters_text(mu0: float, tau0: float, effective_modulus: float |
 
 
 def interval_bands_text(points: xarray.Dataset, *, combined: bool = False, bands: str = "bands") -> str:
-    """Return the text in a figure that explains the bands as 95 % intervals, either combined or of the mean.
+    """Return the text that explains the bands in a figure: 95 % intervals, either combined or of the mean.
 
     `combined` is true for combined intervals, and false for intervals of the mean.
     """

@@ -397,7 +397,7 @@ def _direction_paragraphs(point: PointSummary, *, verbose: bool) -> list[Paragra
 
 
 def _sort_rules_of_directions(point: PointSummary) -> list[SlidingRuleCoefficient]:
-    """Return the coefficients of a result point, one per sliding rule, in the column order of a table of directions.
+    """Return the coefficients of a result point, one per sliding rule, in the order of a direction table's columns.
 
     The first column is for the rule "all", unless an interface was fitted under the other rule.
     """

@@ -483,7 +483,7 @@ def profiles_figure(profiles: Mapping[float, Profile], study: Study) -> Figure:
 
 
 def length_scales_figure(bodies: Mapping[float, tuple[Profile, Surface]]) -> Figure:
-    """Draw a profile and a height map for each length scale, with unscaled heights.
+    """Draw a generated profile and a generated height map for each length scale, without scaling of the heights.
 
     `bodies` comes from `generate_bodies_by_length_scale`.
     """

@@ -22,7 +22,7 @@ from stiction.views.style import (
 
 
 def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure 80 mm wide: friction and true contact area of a pair with scaled heights, over the rms gradient.
+    """Draw a figure of friction and true contact area against the rms gradient, for a pair with scaled heights.
 
     Parameters
     ----------

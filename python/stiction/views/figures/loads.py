@@ -148,7 +148,7 @@ MIN_EXTRAPOLATED_TO_CUTOFF_RATIO = 1 / 16
 
 
 def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: ResolutionLimits, x: Floats) -> None:
-    """Draw how finer scans would change friction and area: plastic limit, extrapolation, and closed-form estimate."""
+    """Draw estimates of friction and area for finer scans: plastic limit, extrapolation, and closed-form estimate."""
     if limits.plastic_limit is not None:
         friction, area_fraction = limits.plastic_limit
         friction_axes.axhline(

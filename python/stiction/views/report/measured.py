@@ -246,7 +246,7 @@ def _assessment_record(point: PointSummary) -> dict[str, Any]:
 
 
 def _contribution_record(point: PointSummary) -> dict[str, Any] | None:
-    """Return the coefficient for friction at all contacts, its interval and its contributions, for the page scripts.
+    """Return the coefficient with friction at all contacts, its interval, and contributions such as that of slopes.
 
     Returns None if the coefficient or its contributions are unknown.
     """

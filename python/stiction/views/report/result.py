@@ -111,7 +111,7 @@ def report_page(result: Evaluation | xarray.Dataset, *, name: str = "", picture:
 def evaluate_report(
     result: Evaluation | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None
 ) -> Iterator[Callable[[], contextlib.AbstractContextManager[Callable[[], HtmlPage]]]]:
-    """Start to evaluate a report in a forked process, and yield a function that starts to draw the figures.
+    """Evaluate a report in a forked process, and yield a function that draws the figures in a second process.
 
     The function returns another context, in which a second process draws the figures. This context yields a function
     that waits for both processes and returns the report. It raises the same errors as `report_page`. If Matplotlib is

@@ -152,7 +152,7 @@ def estimate_with_unit_text(point: Sequence[float], unit: str) -> str:
 
 @dataclass(frozen=True, eq=False)
 class QuantityEstimates:
-    """Estimates of a quantity that depends neither on mu0 nor on tau0, for a report.
+    """Estimates, for a report, of a quantity that depends neither on mu0 nor on tau0.
 
     Attributes
     ----------
