@@ -239,7 +239,7 @@ def has_two_profiles(pair: PairProperties) -> bool:
 
 @make_condition("is for two profiles that are pressed as lines; other bodies have a nominal area")
 def presses_profiles_as_lines(pair: PairProperties) -> bool:
-    """Return whether both bodies are profiles that are pressed directly, without surrogate maps."""
+    """Return whether both bodies are profiles, and lines are pressed instead of surrogate maps."""
     return pair.are_profiles and pair.press_mode == "lines"
 
 
@@ -395,7 +395,7 @@ def has_no_interface(pair: PairProperties) -> bool:
 
 @make_condition("is for {young} and {law} jackson-green")
 def needs_poisson_ratio(pair: PairProperties) -> bool:
-    """Return whether Poisson's ratio is needed, for Young's modulus or for the Jackson-Green contact law."""
+    """Return whether Poisson's ratio is needed: Young's modulus is given, or the contact law is Jackson-Green."""
     return pair.options.young is not None or pair.contact_law == JacksonGreen.name
 
 
@@ -804,7 +804,7 @@ class PairOptions(
     title: ClassVar[str] = "Options of a pair"
 
     def option_value(self, name: str) -> object:
-        """Return the value of an option.
+        """Return the value of the option with a given field name.
 
         Returns None if the user has not given the option.
         """
@@ -848,7 +848,7 @@ OPTION_CHECK_ORDER: tuple[str, ...] = tuple(
 
 
 def list_option_choices(name: str) -> tuple[str, ...]:
-    """Return the words from which the value of an option must be chosen.
+    """Return the words that are the only valid values of an option.
 
     The tuple is empty if the option also accepts other values.
     """

@@ -654,7 +654,7 @@ class MeasuredPair:
         return [list(pair) for pair in zip(lengths[::2], lengths[1::2], strict=True)]
 
     def _count_positions(self) -> tuple[int, int]:
-        """Return the number of line pairs, and the number of positions at which each line pair is pressed."""
+        """Return the number of pairs of lines, and the number of relative positions in which each pair is pressed."""
         num_lines, num_offsets = self.options.lines or DEFAULT_NUM_LINE_PAIRS, self.options.offsets
         if self.are_profiles and not self.has_surrogates:
             positions = self._listed_positions

@@ -73,7 +73,7 @@ def check_values(
     name: str, values: NDArray[Any], *, dtype: type = float, bounds: tuple[float, float] = STORED_VALUE_BOUNDS,
     may_be_nan: bool = False,
 ) -> tuple[float, bool]:  # fmt: skip
-    """Raise a `DamagedFileError` if a stored variable has numbers of the wrong type or outside the bounds.
+    """Raise a `DamagedFileError` if a stored variable contains numbers of the wrong type, or outside its bounds.
 
     Returns the smallest finite number, or infinity if there is none, and whether a number is NaN.
     """

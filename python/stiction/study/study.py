@@ -1,4 +1,4 @@
-"""Studies: complete descriptions of a computation, read from TOML files or built in."""
+"""Studies: each study completely describes a computation, and is read from a TOML file or built in."""
 
 from __future__ import annotations
 

@@ -152,7 +152,7 @@ class Characterisation:
 
     @cached_property
     def line_roughnesses(self) -> tuple[LineRoughness, ...]:
-        """Roughness of the lines of a surface, first along x, then along y; empty for a profile."""
+        """Roughness of a surface along its rows (x) and along its columns (y); empty for a profile."""
         body = self.body_without_outliers
         return () if isinstance(body, Profile) else lines_along_both(body, band=self.band)
 

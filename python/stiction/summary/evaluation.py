@@ -64,7 +64,7 @@ class Evaluation(MemberSums):
 
     @cached_property
     def num_solved(self) -> int:
-        """Number of surface pairs (members) for which the solver succeeded at all loads or approaches."""
+        """Number of surface pairs (members) for which the solver succeeded at all loading steps."""
         return sum(piece.sizes["repetition"] for piece in iterate_solved_pieces(self, ["normal_elastic"]))
 
     # ---- Stored alongside --------------------------------------------------------------------------------------------
@@ -110,7 +110,7 @@ class Evaluation(MemberSums):
 
     @property
     def alternatives(self) -> dict[AlternativeName, Self]:
-        """Stored results with alternative scan preparations, keyed by the name of the preparation."""
+        """Stored results in which the scans were prepared in another way, keyed by the name of the preparation."""
         return {name: self.of(sums) for name, sums in load_stored_alternatives(self).items()}
 
     @property
@@ -167,7 +167,7 @@ class Evaluation(MemberSums):
 
     @property
     def at_study_loads(self) -> xarray.Dataset:
-        """Friction and other quantities at the loads, mu0 and tau0 of the study, with intervals and uncertainty budget.
+        """Friction and other quantities at each load, mu0 and tau0 of the study, with intervals and uncertainty budget.
 
         If the study has a range of fractal dimensions, only `NUM_OVERVIEW_FRACTAL_DIMENSIONS` of them are evaluated.
         """
@@ -222,7 +222,7 @@ class Evaluation(MemberSums):
         budget: bool = False, height_scale: str | ArrayLike | None = None,
         scaled: Literal["both", "upper", "lower"] = "both", compute: bool = False,
     ) -> xarray.Dataset:  # fmt: skip
-        """Evaluate friction and other quantities at any loads, mu0 and tau0, with intervals.
+        """Evaluate friction and other quantities, with their intervals, for any loads, mu0 and tau0.
 
         No contacts are computed again, unless `compute` requires other factors of the heights.
 
@@ -429,7 +429,7 @@ class Evaluation(MemberSums):
     def summary(
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None
     ) -> Summary:
-        """Summarize the result at given loads, mu0 and tau0.
+        """Summarize the result for given values of load, mu0 and tau0.
 
         By default, these are the loads, mu0 and tau0 of the study. The default summary is computed only once.
 
@@ -447,7 +447,7 @@ class Evaluation(MemberSums):
         return self.summarize_dataset(self.at(load, mu0=mu0, tau0=tau0, budget=True))
 
     def complete_summary(self) -> Summary:
-        """Summarize the result at the loads, mu0 and tau0 of the study, for all fractal dimensions of the result.
+        """Summarize the result for each load, mu0 and tau0 of the study, and for all fractal dimensions.
 
         `summary` leaves out most fractal dimensions of a range. Raises a `ValueError` as `summary` does.
         """

@@ -145,12 +145,12 @@ class ReportDataOfGeneratedSurfaces(ReportData):
 
 
 def evaluate_measured_values(result: Evaluation) -> ReportValuesOfMeasuredSurfaces:
-    """Evaluate friction and contact quantities of measured surfaces for the loads, mu0 and tau0 of a report."""
+    """Evaluate friction and contact quantities of measured surfaces for each load, mu0 and tau0 of a report."""
     return evaluate_measured_report(ReportGrid(result))
 
 
 def evaluate_generated_values(result: Evaluation) -> ReportValuesOfGeneratedSurfaces | None:
-    """Evaluate friction and contact quantities of generated surfaces for the loads, mu0 and tau0 of a report.
+    """Evaluate friction and contact quantities of generated surfaces for each load, mu0 and tau0 of a report.
 
     Returns None if no pair is in contact.
     """

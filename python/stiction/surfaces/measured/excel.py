@@ -80,7 +80,7 @@ def _record_layout(table: ColumnTable, layout: str) -> ColumnTable:
 def _read_sheets(
     load_workbook: Callable[..., Any], data: bytes, *, data_only: bool
 ) -> dict[str, list[tuple[Any, ...]]]:
-    """Return the rows of each sheet in an Excel workbook, by sheet name.
+    """Return the rows of each sheet in an Excel workbook, keyed by sheet name.
 
     With `data_only`, formulas are replaced by the numbers that the file stores for them.
     """
