@@ -262,7 +262,7 @@ def test_table_command_writes_the_joint_table_of_measured_profiles(tmp_path, mon
             np.testing.assert_allclose(rows[name], expected[name], rtol=1e-8)
         is_study_load = np.isclose(rows["nominal pressure (MPa)"], 50)
         point = result.summary("50 MPa", mu0=mu0, tau0=0.05).first
-        assert rows["assessment"][is_study_load].tolist() == [point.assessment]
+        assert rows["assessment of mu_s"][is_study_load].tolist() == [point.assessment]
     assert_rejected(
         call_stiction("table", "upper.npy", "lower.npy", *options, *arguments, "--hurst", "0.8", cwd=tmp_path),
         "--hurst applies only to generated surfaces",
