@@ -617,6 +617,8 @@ HONED_STEEL_OPTIONS = [
     "half-space",
     "--offsets",
     8,
+    "--lay",
+    "grooves",
 ]
 RUBBER_ON_GLASS_OPTIONS = [
     "--upper",
