@@ -14,7 +14,7 @@ from stiction._units import short_repr
 from stiction.solve.store import open_stored_result
 from stiction.summary.evaluation import Evaluation
 from stiction.summary.joint_table import DEFAULT_JOINT_UNITS, UnitSystem
-from stiction.views.files import is_card, write_joint_table, write_result, write_table_at_loads
+from stiction.views.files import is_card, write_joint_table, write_result, write_table_at
 from stiction.views.report import save_report
 from stiction.views.rows import summary_table
 from stiction.views.sentence import quotable_sentences
@@ -103,8 +103,9 @@ class Result(Evaluation):
         return path
 
     def export(
-        self, path: str | Path, *, load: str | ArrayLike | None = None, joint: bool = False,
-        units: UnitSystem | None = None, closure_from: str | float | None = None,
+        self, path: str | Path, *, load: str | ArrayLike | None = None, mu0: ArrayLike | None = None,
+        tau0: str | ArrayLike | None = None, joint: bool = False, units: UnitSystem | None = None,
+        closure_from: str | float | None = None,
     ) -> None:  # fmt: skip
         """Write the result to a new file: the whole result for ``.nc``, or a table for ``.csv`` and ``.tex``.
 
@@ -113,9 +114,13 @@ class Result(Evaluation):
         path : path
         load : str or array_like of float, mN, optional
             Loads of the table, as for `at`; by default the loads of the study, or of `joint_table`.
+        mu0 : str or array_like of float, optional
+        tau0 : str or array_like of float, GPa, optional
+            By default the values of the study. A card needs a single mu0 and a single tau0.
         joint : bool
-            True to write the table of `joint_table` to a ``.csv`` or ``.json`` file. Cards of other programs contain it
-            in any case: ``.inp`` of Abaqus and CalculiX, ``.mac`` of Ansys and ``.liggghts``.
+            True to write the table of `joint_table` for each mu0 and tau0 to a ``.csv`` or ``.json`` file. Cards of
+            other programs contain one table in any case: ``.inp`` of Abaqus and CalculiX, ``.mac`` of Ansys and
+            ``.liggghts``.
         units : {"mm,N,MPa", "m,N,Pa", "um,mN,GPa"}, optional
             Units of joint tables and cards; by default the first.
         closure_from : str or float, mN, optional
@@ -125,21 +130,24 @@ class Result(Evaluation):
         Raises
         ------
         ValueError
-            If the file exists or cannot be written, or its name has another ending.
+            If the file exists or cannot be written, if its name has another ending, or if there are several mu0 or
+            tau0 for a card.
         """
         path = parse_path("path", path)
         check_bool("joint", joint)
         if joint or is_card(path):
             chosen_units = DEFAULT_JOINT_UNITS if units is None else units
-            write_joint_table(self, path, chosen_units, load=load, closure_from=closure_from)
+            write_joint_table(
+                self, path, chosen_units, load=load, mu0=mu0, tau0=tau0, closure_from=closure_from
+            )  # fmt: skip
             return
         for name, value in (("units", units), ("closure_from", closure_from)):
             if value is not None:
                 raise ArgumentError(f"{{{name}}} applies only to joint tables and cards, got {{value}}", value=value)
-        if load is None:
+        if load is None and mu0 is None and tau0 is None:
             write_result(self, path)
         else:
-            write_table_at_loads(self, path, load)
+            write_table_at(self, path, load=load, mu0=mu0, tau0=tau0)
 
     # ---- Display in a terminal or a notebook -------------------------------------------------------------------------
 

@@ -256,7 +256,7 @@ def test_table_command_writes_the_joint_table_of_measured_profiles(tmp_path, mon
     frame = pandas.read_csv(tmp_path / "table" / "table.csv")
     result = open_result(tmp_path / "table")
     for mu0 in (0.2, 0.3):
-        expected = joint_frame(result.joint_table(mu0=mu0, tau0=0.05))
+        expected = joint_frame([result.joint_table(mu0=mu0, tau0=0.05)])
         rows = frame[frame["mu0"] == mu0].reset_index(drop=True)
         for name in ("nominal pressure (MPa)", "closure (mm)", "tangential stiffness (MPa/mm)", "mu_s 5 %"):
             np.testing.assert_allclose(rows[name], expected[name], rtol=1e-8)

@@ -197,7 +197,11 @@ def test_csv_file_of_a_joint_table_contains_every_number_of_the_table(result, di
     ]
     in_rows = {f"{value:.9g}" for value in values}
     model_errors = {f"0.45 to 1.19 times the measured stiffness ({CONDITION_OF_MODEL_ERROR})", "not validated"}
-    assert cells - in_rows - model_errors == {"0", "1", "combined", "prediction", "Do not quote", "Quote with care"}
+    inputs = {f"{table.mu0:.9g}", f"{table.tau0 / UNIT_SYSTEMS[units][1]:.9g}", table.sliding}
+    assert cells - in_rows - model_errors - inputs == {
+        "0", "1", "combined", "prediction", "Do not quote", "Quote with care",
+    }  # fmt: skip
+    assert inputs <= cells
     assert in_rows <= cells
     assert len(frame) == len(table.rows)
     assert frame.filter(like="kind").nunique().eq(1).all()
@@ -280,7 +284,10 @@ def test_json_file_of_a_joint_table_contains_units_and_notes_and_kinds_of_interv
     assert percentiles == {percentile: table.reference.friction(percentile).value for percentile in (5, 50, 95)}
     (closure,) = [value for value in values if value["name"] == "closure"]
     assert (closure["unit"], closure["kind"]) == ("um", "combined")
-    assert record["assessments"] == [{"load": row.load, "assessment": row.assessment} for row in table.rows]
+    inputs = {"mu0": 0.2, "tau0": 0.05, "load_unit": "mN", "tau0_unit": "GPa"}
+    assert record["assessments"] == [
+        {"load": row.load, "assessment": row.assessment} | inputs for row in table.rows
+    ]  # fmt: skip
 
 
 def test_joint_table_counts_closures_from_a_given_pressure(result, table):
@@ -562,3 +569,50 @@ def test_calculix_block_with_the_exported_card_has_the_tabulated_stiffness_and_s
     reference = table.reference
     stiffness = reference.estimates["tangential_stiffness_per_area"].value
     assert forces == pytest.approx([stiffness * 100 * 2e-5, reference.friction(50).value * 200 * 100], rel=1e-3)
+
+
+def test_joint_files_contain_all_mu0_and_tau0_with_the_sliding_rule(tmp_path):
+    result = small_pair(mu0="0.1,0.2", tau0="10 MPa,50 MPa", shifts=3, directory=tmp_path / "pair")
+    loads = ["20 kPa", "40 kPa"]
+    export_text(result, tmp_path / "joint.csv", joint=True, load=loads)
+    frame = pandas.read_csv(tmp_path / "joint.csv")
+    pairs = [(0.1, 10), (0.1, 50), (0.2, 10), (0.2, 50)]
+    assert list(zip(frame["mu0"], frame["tau0 (MPa)"], strict=True)) == [pair for pair in pairs for _ in loads]
+    assert set(frame["sliding"]) == {"all"}
+    expected = result.at(loads, mu0=[0.1, 0.2], tau0=[0.01, 0.05]).sel(sliding="all", statistic="mean")
+    coefficients = expected["friction_combined"].squeeze().transpose("mu0", "tau0", "load").values.ravel()
+    np.testing.assert_allclose(frame["mu_s"], coefficients, rtol=1e-8)
+    check_stiction("export", "pair", "one.csv", "--joint", "--mu0", "0.2", "--tau0", "10 MPa", cwd=tmp_path)
+    one_frame = pandas.read_csv(tmp_path / "one.csv")
+    assert (set(one_frame["mu0"]), set(one_frame["tau0 (MPa)"])) == ({0.2}, {10})
+    record = json.loads(export_text(result, tmp_path / "joint.json", joint=True, load=loads))
+    assert {(entry["mu0"], entry["tau0"]) for entry in record["assessments"]} == {(a, b / 1000) for a, b in pairs}
+    assert {(entry["load_unit"], entry["tau0_unit"]) for entry in record["assessments"]} == {("mN", "GPa")}
+    assert record["sliding"] == "all"
+    assert len(record["sentence"].splitlines()) == len(pairs)
+    assert sum(note.startswith("Coefficient of static friction") for note in record["notes"]) == 1
+    assert [
+        (value["at"]["mu0"], value["at"]["sliding"])
+        for value in record["values"]
+        if value["name"] == "friction_combined"
+    ] == [(mu0, "all") for mu0, _ in pairs for _ in loads]
+    for path in ("card.inp", "card.mac", "card.liggghts"):
+        with pytest.raises(ValueError, match=r"mu0 must be a single value for a card.*choose one of 0\.1, 0\.2"):
+            result.export(tmp_path / path)
+        with pytest.raises(ValueError, match=r"tau0 must be a single value for a card.*choose one of 10 MPa, 50 MPa"):
+            result.export(tmp_path / path, mu0=0.2)
+    assert_rejected(call_stiction("export", "pair", "a.inp", cwd=tmp_path), "--mu0 must be a single value for a card")
+    result.export(tmp_path / "card.inp", mu0="0.2", tau0="10 MPa")
+    assert "*FRICTION" in (tmp_path / "card.inp").read_text()
+    result.export(tmp_path / "table.csv", mu0=0.3)
+    assert set(pandas.read_csv(tmp_path / "table.csv")["mu0"]) == {0.3}
+
+
+def test_joint_table_warns_of_loads_without_a_row():
+    result = small_pair(mu0=0.1, shifts=3)
+    with pytest.warns(UserWarning, match=r"no values at .*\(5 GPa\): the computed loads are") as caught_warnings:
+        table = result.joint_table(["20 kPa", "5 GPa"])
+    assert len(table.rows) == 1
+    assert caught_warnings[0].filename == __file__
+    with pytest.raises(ValueError, match="no values at"):
+        result.joint_table("5 GPa")

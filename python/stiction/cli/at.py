@@ -13,7 +13,7 @@ from stiction._errors import ArgumentError
 from stiction._text import printable_path, printable_text
 from stiction.cli.application import command, print_output, report_interruption, show_status
 from stiction.cli.loads import LoadsOption, parse_loads, report_missing_loads
-from stiction.cli.options import JsonOption, VerboseOption, WorkersOption, option, reject_options
+from stiction.cli.options import JsonOption, Mu0Option, Tau0Option, VerboseOption, WorkersOption, option, reject_options
 
 if TYPE_CHECKING:
     import xarray
@@ -35,12 +35,6 @@ HurstOption = Annotated[
 ]
 AmplitudeOption = Annotated[
     str | None, option("--amplitude LENGTH", "Amplitude of generated surfaces; the nearest is used.", "the first")
-]
-Mu0Option = Annotated[
-    str | None, option("--mu0 NUMBERS", 'Molecular friction coefficients, such as "0.3,0.4".', "mu0 of the study")
-]
-Tau0Option = Annotated[
-    str | None, option("--tau0 PRESSURES", 'Adhesive shear strengths, such as "0 MPa,50 MPa".', "tau0 of the study")
 ]
 DirectionOption = Annotated[
     float | None, option("--direction DEGREES", "Sliding direction of the upper body.", "mean over all directions")

@@ -61,7 +61,7 @@ def parse_loads(result: Result, texts: list[str] | None, width: str | None = Non
 
 def report_missing_loads(result: Result, values: xarray.Dataset, missing_loads: Sequence[float]) -> None:
     """Print a warning about loads without a coefficient, or raise a `ValueError` if no load has a coefficient."""
-    from stiction.views.text import missing_loads_text
+    from stiction.summary.missing_loads import missing_loads_text
 
     if not missing_loads:
         return

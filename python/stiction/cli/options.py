@@ -35,6 +35,12 @@ def option(
     )
 
 
+Mu0Option = Annotated[
+    str | None, option("--mu0 NUMBERS", 'Molecular friction coefficients, such as "0.3,0.4".', "mu0 of the study")
+]
+Tau0Option = Annotated[
+    str | None, option("--tau0 PRESSURES", 'Adhesive shear strengths, such as "0 MPa,50 MPa".', "tau0 of the study")
+]
 _output_option = partial(option, panel="Output")
 JsonOption = Annotated[bool, _output_option("--json", "Print JSON on standard output, and messages on standard error.")]
 VerboseOption = Annotated[

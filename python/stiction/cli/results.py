@@ -10,7 +10,7 @@ import typer
 from stiction._text import printable_path
 from stiction.cli.application import command, print_output
 from stiction.cli.loads import LoadsOption, parse_loads, report_missing_loads
-from stiction.cli.options import JsonOption, VerboseOption, WorkersOption, option, reject_options
+from stiction.cli.options import JsonOption, Mu0Option, Tau0Option, VerboseOption, WorkersOption, option, reject_options
 
 if TYPE_CHECKING:
     from stiction.result import Result
@@ -130,6 +130,8 @@ def export(
     ],
     *,
     load: LoadsOption = None,
+    mu0: Mu0Option = None,
+    tau0: Tau0Option = None,
     joint: Annotated[
         bool,
         option(
@@ -167,13 +169,15 @@ def export(
     from stiction.evaluate.computed_loads import find_loads_without_values
     from stiction.solve.store import STUDY_FILE, load_shear_test
     from stiction.summary.joint_table import DEFAULT_JOINT_UNITS, FIRST_CONTACT_NOTE
-    from stiction.views.files import check_joint_file, is_card
+    from stiction.views.files import check_joint_file, choose_joint_parameters, is_card
 
     chosen_units: Any = units
     # In the directory of a study, a file with the name of a shear test may be an exported result of the study.
     has_study = (directory / STUDY_FILE).exists()
     if not has_study and (test := load_shear_test(directory)) is not None:
-        reject_options(context, "does not apply to shear tests", "load", "compute", "workers", "closure_from")
+        reject_options(
+            context, "does not apply to shear tests", "load", "mu0", "tau0", "compute", "workers", "closure_from"
+        )
         if gap:
             reject_options(context, "cannot be combined with --gap", "joint", "units")
         elif not joint:
@@ -188,13 +192,17 @@ def export(
         if not (joint or is_card(file)):
             reject_options(context, "applies only to joint tables and cards", "compute")
         check_joint_file(file, DEFAULT_JOINT_UNITS if units is None else chosen_units)
+        choose_joint_parameters(result, file, mu0, tau0)
         result = _compute_joint(result, directory / JOINT_DIRECTORY, workers, loads, closure_from)
     else:
         reject_options(context, "requires --compute", "workers")
-    if loads is not None:
+    # A joint table itself warns of missing loads.
+    if loads is not None and not (joint or is_card(file)):
         values = result.at(loads, quantities=[])
         report_missing_loads(result, values, find_loads_without_values(result, values))
-    result.export(file, load=loads, joint=joint, units=chosen_units, closure_from=closure_from)
+    result.export(
+        file, load=loads, mu0=mu0, tau0=tau0, joint=joint, units=chosen_units, closure_from=closure_from
+    )  # fmt: skip
     print_output(f"wrote {printable_path(file)}")
     if (joint or is_card(file)) and closure_from is None:
         print_output(f"{FIRST_CONTACT_NOTE} (--closure-from).")

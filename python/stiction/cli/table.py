@@ -163,8 +163,6 @@ def _choose_hardness(hardness: str | None, elasticity: PairElasticity) -> str | 
 
 def _tabulate_measured_pair(options: dict[str, Any], output: Path, workers: int | None, scheduler: str | None) -> None:
     """Compute a measured pair, and write a table of the joint for each combination of mu0 and tau0."""
-    import pandas
-
     from stiction.cli.execution import compute_result_in_directory, open_executor
     from stiction.study.pair_options import validate_option_values
     from stiction.study.pair_study import build_study_from_options
@@ -177,12 +175,12 @@ def _tabulate_measured_pair(options: dict[str, Any], output: Path, workers: int 
     study = build_study_from_options(validate_option_values(options))
     with open_executor(workers, scheduler) as executor:
         result = compute_result_in_directory(study, output, executor, onset=0)
-    frames = []
-    for mu0 in map(float, result.study.friction.mu0):
-        for tau0 in map(float, result.study.friction.tau0):
-            table = result.joint_table(mu0=mu0, tau0=tau0)
-            frames.append(joint_frame(table).assign(**{"mu0": mu0, "tau0 (MPa)": 1000 * tau0}))
-    replace_text_file(output / CSV_FILE_NAME, frame_to_csv(pandas.concat(frames)), signature)
+    tables = [
+        result.joint_table(mu0=mu0, tau0=tau0)
+        for mu0 in map(float, result.study.friction.mu0)
+        for tau0 in map(float, result.study.friction.tau0)
+    ]
+    replace_text_file(output / CSV_FILE_NAME, frame_to_csv(joint_frame(tables)), signature)
     print_output(f"wrote {printable_path(output / CSV_FILE_NAME)}")
 
 

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from stiction._arguments import convert_friction_parameters, split_texts
 from stiction._checks import check_bool, check_instance, make_read_only, parse_names, validate_whole_number
 from stiction._units import loads_to_core_units, short_repr, to_core_units
+from stiction._warnings import warn_caller
 from stiction.companions.contact_forces import compute_contact_forces
 from stiction.companions.contact_picture import build_contact_table, compute_loading_cycle, load_contact_picture
 from stiction.companions.height_scale import (
@@ -28,6 +29,7 @@ from stiction.companions.onset import load_stored_onset, scale_onset
 from stiction.companions.resolution import evaluate_at_cutoffs
 from stiction.evaluate.at_load import at_load
 from stiction.evaluate.budget import add_uncertainty, evaluate_alternatives
+from stiction.evaluate.computed_loads import find_loads_without_values
 from stiction.evaluate.load_range import choose_default_loads, choose_loads_in_range
 from stiction.evaluate.maps import iterate_solved_pieces
 from stiction.evaluate.member_values import member_values
@@ -46,6 +48,7 @@ from stiction.summary.joint_table import (
     choose_joint_loads,
     parse_closure_start,
 )
+from stiction.summary.missing_loads import missing_loads_text
 from stiction.summary.summary import PointSummary, Summary, summarize
 
 MAX_REACHED_LOADS = 100_000
@@ -394,6 +397,11 @@ class Evaluation(MemberSums):
         ValueError
             If the bodies were generated, no load has a closure, or `closure_from` is outside the computed loads.
 
+        Warns
+        -----
+        UserWarning
+            If some of the given loads are outside the computed loads, so that the table has no rows for them.
+
         Examples
         --------
         >>> from stiction import pair, self_affine_surface
@@ -406,7 +414,8 @@ class Evaluation(MemberSums):
         (10.0, 'mm')
         """
         loads = choose_joint_loads(self.study, self.nominal_area)
-        loads = loads if load is None else self._to_forces(load)
+        given_loads = [] if load is None else np.atleast_1d(self._to_forces(load)).ravel().tolist()
+        loads = loads if load is None else np.array(given_loads, float)
         start_load = None
         if closure_from is not None:
             start_load = parse_closure_start(closure_from, self.study, self.nominal_area)
@@ -420,6 +429,12 @@ class Evaluation(MemberSums):
         for name, values in strengths.items():
             if at.sizes.get(name, 1) > 1:
                 raise ValueError(f"{name} must be a single value, got {short_repr(values)}")
+        missing_loads = [value for value in find_loads_without_values(self, at) if value in given_loads]
+        if missing_loads:
+            message = missing_loads_text(self, at, missing_loads)
+            if len(missing_loads) == len(set(given_loads)):
+                raise ValueError(message)
+            warn_caller(message)
         points = self.summarize_dataset(at).reported_points
         assessments = {float(point.at["load"]): point.assessment for point in points}
         return build_joint_table(at, self.study, units, assessments, start_load)

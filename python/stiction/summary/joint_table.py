@@ -144,6 +144,8 @@ class JointTable:
         Row at the load of the pair, or at the first of several loads.
     mu0, tau0 : float
         mu0 and tau0 (GPa) for which the friction was computed.
+    sliding : str
+        Sliding rule of the friction, "all" or "opposing": the rule that a summary of the result lists first.
     closure_from : Estimate
         Nominal pressure from which the closure is counted; 0 for closures since first contact.
     notes : tuple of str
@@ -155,6 +157,7 @@ class JointTable:
     reference: JointRow
     mu0: float
     tau0: float
+    sliding: str
     closure_from: Estimate
     notes: tuple[str, ...]
 
@@ -234,7 +237,8 @@ def build_joint_table(
         If no load has a closure, or if `closure_from` has no closure or no stiffness of closure.
     """
     parsed_units = JointUnits.parse(units)
-    at = select_sliding_rule(at, list_rules_with_reported_first(study)[0]).isel(mu0=0, tau0=0)
+    rule = list_rules_with_reported_first(study)[0]
+    at = select_sliding_rule(at, rule).isel(mu0=0, tau0=0)
     at = at.isel(cut_off=0) if "cut_off" in at.dims else at
     steps, area = study.contact.loading_steps(), float(at["nominal_area"])
     estimates_by_load = {load: _read_row(at.sel(load=load), load / area) for load in at["load"].values.tolist()}
@@ -283,7 +287,8 @@ def build_joint_table(
         ),
         *(f"No closure, and therefore no row, at {format_with_unit(load / area, 'GPa')}." for load in omitted_loads),
     )
-    return JointTable(tuple(rows), parsed_units, reference, float(at["mu0"]), float(at["tau0"]), start_pressure, notes)
+    mu0, tau0 = float(at["mu0"]), float(at["tau0"])
+    return JointTable(tuple(rows), parsed_units, reference, mu0, tau0, rule, start_pressure, notes)
 
 
 def _count_closures_from(rows: Sequence[Mapping[str, Estimate]], start: int) -> list[Estimate]:

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from stiction._arguments import convert_friction_parameters
+from stiction._errors import ArgumentError
 from stiction._files import check_creatable, check_replaceable, create_file_atomically, replace_file_atomically
+from stiction._number_format import format_with_unit
 from stiction._text import printable_path
 from stiction.summary.evaluation import Evaluation
 from stiction.summary.joint_table import DEFAULT_JOINT_UNITS, JointTable, JointUnits, UnitSystem
@@ -89,8 +94,15 @@ CARD_FORMATS: dict[str, tuple[str, Callable[[JointTable, str], str]]] = {
 }
 """Input cards of other programs: name of the program and function that writes the card, by file name extension."""
 
-JOINT_FORMATS = {".csv": ("a table", joint_csv), ".json": ("a table", joint_json)} | CARD_FORMATS
-"""Formats of a joint table: description and function that writes the table, by file name extension."""
+JOINT_TABLE_FORMATS: dict[str, tuple[str, Callable[[Sequence[JointTable], Sequence[str]], str]]] = {
+    ".csv": ("a table", joint_csv),
+    ".json": ("a table", joint_json),
+}
+"""Formats of joint tables: description and function that writes tables for several mu0 and tau0, by extension."""
+
+JOINT_FORMAT_DESCRIPTIONS = {
+    extension: description for extension, (description, _) in (JOINT_TABLE_FORMATS | CARD_FORMATS).items()
+}
 
 
 def write_result(result: Evaluation, path: Path) -> None:
@@ -104,29 +116,67 @@ def write_result(result: Evaluation, path: Path) -> None:
     EXPORT_WRITERS[path.suffix.lower()][1](result, path)
 
 
-def write_table_at_loads(result: Evaluation, path: Path, load: Any) -> None:
-    """Write a table of results at given loads, as for `Result.at`, to a new file in one of `TABLE_FORMATS`.
+def write_table_at(result: Evaluation, path: Path, *, load: Any, mu0: Any, tau0: Any) -> None:
+    """Write a table of results at given loads, mu0 and tau0, as for `Result.at`, to a new file in one `TABLE_FORMATS`.
 
     Raises a `ValueError` as `write_result` does.
     """
     check_file_extension(path, {extension: description for extension, (description, _) in TABLE_FORMATS.items()})
     check_creatable(path, ValueError)
-    write_new_text_file(path, TABLE_FORMATS[path.suffix.lower()][1](result.summary(load)))
+    write_new_text_file(path, TABLE_FORMATS[path.suffix.lower()][1](result.summary(load, mu0=mu0, tau0=tau0)))
 
 
 def write_joint_table(
-    result: Evaluation, path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS, *, load: Any = None,
-    closure_from: Any = None,
+    result: Evaluation, path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS, *, load: Any = None, mu0: Any = None,
+    tau0: Any = None, closure_from: Any = None,
 ) -> None:  # fmt: skip
-    """Write the joint table of a result, at all loads or at given loads, to a new file in one of `JOINT_FORMATS`.
+    """Write the joint tables of a result for all or given mu0 and tau0, or a card for one mu0 and tau0, to a new file.
 
-    `closure_from` is the load from which the closure is counted, by default 0 (first contact). Raises a `ValueError` as
-    `write_result` does, or if the result has no joint table.
+    `load` contains the loads, by default all, and `closure_from` is the load from which the closure is counted, by
+    default 0 (first contact). Raises a `ValueError` as `write_result` does, if the result has no joint table, or if
+    there are several mu0 or tau0 for a card.
     """
     check_joint_file(path, units)
-    table = result.joint_table(load, units=units, closure_from=closure_from)
-    sentence = quotable_sentences(result.summary([table.reference.load]))[0]
-    write_new_text_file(path, JOINT_FORMATS[path.suffix.lower()][1](table, sentence))
+    mu0_values, tau0_values = choose_joint_parameters(result, path, mu0, tau0)
+    tables = [
+        result.joint_table(load, mu0=mu0_value, tau0=tau0_value, units=units, closure_from=closure_from)
+        for mu0_value in mu0_values
+        for tau0_value in tau0_values
+    ]
+    sentences = [
+        quotable_sentences(result.summary([table.reference.load], mu0=table.mu0, tau0=table.tau0))[0]
+        for table in tables
+    ]
+    extension = path.suffix.lower()
+    text = (
+        CARD_FORMATS[extension][1](tables[0], sentences[0])
+        if is_card(path)
+        else JOINT_TABLE_FORMATS[extension][1](tables, sentences)
+    )
+    write_new_text_file(path, text)
+
+
+def choose_joint_parameters(
+    result: Evaluation, path: Path, mu0: Any = None, tau0: Any = None
+) -> tuple[list[float], list[float]]:
+    """Return the mu0 and the tau0 (GPa) of a joint file: the given values or, by default, the values of the study.
+
+    Raises a `ValueError` if a card would have several mu0 or tau0.
+    """
+    friction = result.study.friction
+    mu0_values, tau0_values = (
+        np.atleast_1d(study_values if values is None else values).astype(float).tolist()
+        for values, study_values in zip(
+            convert_friction_parameters(mu0, tau0), (friction.mu0, friction.tau0), strict=True
+        )
+    )
+    for name, values, unit in (("mu0", mu0_values, "1"), ("tau0", tau0_values, "GPa")):
+        if is_card(path) and result.study.is_measured and len(values) > 1:
+            raise ArgumentError(
+                f"{{{name}}} must be a single value for a card, which has one coefficient per pressure; choose one of "
+                f"{', '.join(format_with_unit(value, unit) for value in values)}"
+            )
+    return mu0_values, tau0_values
 
 
 SHEAR_PARAMETER_FORMATS = {".csv": ("a table", shear_parameters_csv), ".json": ("a table", shear_parameters_json)}
@@ -149,7 +199,7 @@ def check_joint_file(path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> Non
 
     Raises the same errors as `write_joint_table`.
     """
-    check_file_extension(path, {extension: description for extension, (description, _) in JOINT_FORMATS.items()})
+    check_file_extension(path, JOINT_FORMAT_DESCRIPTIONS)
     JointUnits.parse(units)
     check_creatable(path, ValueError)
 

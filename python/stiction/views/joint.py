@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from stiction._core import __version__
 from stiction._estimate import MAX_SIGNIFICANT_DIGITS, Estimate, estimate_column_titles
+from stiction._number_format import format_with_unit
 from stiction.summary.joint_table import (
     EVIDENCE_OF_MODEL_ERROR,
     JOINT_TITLES,
@@ -61,8 +62,14 @@ def closure_start_title(start_pressure: Estimate) -> str:
 # ---- Tables ----------------------------------------------------------------------------------------------------------
 
 
-def joint_frame(table: JointTable) -> pandas.DataFrame:
-    """Return a joint table as a data frame, with one row per pressure and units in column names."""
+def joint_frame(tables: Sequence[JointTable]) -> pandas.DataFrame:
+    """Return joint tables as a data frame, with one row per pressure, mu0 and tau0, and units in column names."""
+    import pandas
+
+    return pandas.concat([_single_joint_frame(table) for table in tables], ignore_index=True)
+
+
+def _single_joint_frame(table: JointTable) -> pandas.DataFrame:
     import pandas
 
     columns: dict[str, list[Any]] = {}
@@ -81,36 +88,57 @@ def joint_frame(table: JointTable) -> pandas.DataFrame:
     columns |= {title: [cell] * len(table.rows) for title, cell in constant_columns.items()}
     columns["assessment of mu_s"] = [row.assessment for row in table.rows]
     columns["computed"] = [int(row.is_computed) for row in table.rows]
+    tau0 = table.units.convert(Estimate(table.tau0, unit="GPa"))
+    for title, value in {
+        "mu0": table.mu0, estimate_column_titles("tau0", tau0.unit)["value"]: tau0.value, "sliding": table.sliding
+    }.items():  # fmt: skip
+        columns[title] = [value] * len(table.rows)
     return pandas.DataFrame(columns)
 
 
-def joint_csv(table: JointTable, source: str) -> str:
-    """Return the rows of a joint table as CSV, without the notes of the table.
+def joint_csv(tables: Sequence[JointTable], sources: Sequence[str]) -> str:
+    """Return the rows of joint tables as CSV, without the notes of the tables.
 
-    `source`, a description of the pair, is not used.
+    `sources`, descriptions of the pair, are not used.
     """
-    del source
-    return frame_to_csv(joint_frame(table))
+    del sources
+    return frame_to_csv(joint_frame(tables))
 
 
-def joint_json(table: JointTable, source: str) -> str:
-    """Return a joint table as JSON, with its notes and a sentence that describes the pair."""
-    estimate_records = []
-    for row in table.rows:
-        at = {"load": row.load, "mu0": table.mu0, "tau0": table.tau0}
-        for name, estimate in row.estimates.items():
-            is_percentile = estimate.name == "friction_percentiles"
-            estimate_records.append(estimate.to_record(at | ({"percentile": float(name[9:])} if is_percentile else {})))
+def joint_json(tables: Sequence[JointTable], sources: Sequence[str]) -> str:
+    """Return joint tables for one or more mu0 and tau0 as JSON, each with its notes and a sentence on the pair."""
+    estimate_records, assessments = [], []
+    for table in tables:
+        for row in table.rows:
+            at = {"load": row.load, "mu0": table.mu0, "tau0": table.tau0}
+            # Loads and tau0 are in core units, like the coordinates of all estimates in JSON.
+            assessments.append(at | {"load_unit": "mN", "tau0_unit": "GPa", "assessment": row.assessment})
+            for name, estimate in row.estimates.items():
+                coordinates = at | ({"sliding": table.sliding} if name.startswith("friction_") else {})
+                if estimate.name == "friction_percentiles":
+                    coordinates["percentile"] = float(name[9:])
+                estimate_records.append(estimate.to_record(coordinates))
+    table = tables[0]
     units = {"length": table.units.length, "force": table.units.force, "pressure": table.units.pressure}
-    assessments = [{"load": row.load, "assessment": row.assessment} for row in table.rows]
     return (
         record_json(
-            "export", estimate_records, kind="joint", units=units, assessments=assessments,
-            closure_from=table.closure_from.to_record(), model_errors=MODEL_ERRORS, notes=list(table.notes),
-            sentence=source,
+            "export", estimate_records, kind="joint", units=units, sliding=table.sliding, assessments=assessments,
+            closure_from=table.closure_from.to_record(), model_errors=MODEL_ERRORS, notes=_list_notes(tables),
+            sentence="\n".join(sources),
         )
         + "\n"
     )  # fmt: skip
+
+
+def _list_notes(tables: Sequence[JointTable]) -> list[str]:
+    """Return the notes of all joint tables; a note that only some tables have starts with their mu0 and tau0."""
+    shared_notes = [note for note in tables[0].notes if all(note in table.notes for table in tables)]
+    return shared_notes + [
+        f"μ0 = {table.mu0:.4g}, τ0 = {format_with_unit(table.tau0, 'GPa')}: {note}"
+        for table in tables
+        for note in table.notes
+        if note not in shared_notes
+    ]
 
 
 # ---- Cards -----------------------------------------------------------------------------------------------------------
