@@ -70,23 +70,19 @@ def test_exhausted_system_resource_is_reported_without_traceback(tmp_path, monke
 
 
 @pytest.mark.parametrize("workers", [1, 2])
-def test_compiled_core_without_a_needed_function_is_reported_as_older_than_the_python_files(
-    tmp_path, monkeypatch, workers
-):
+def test_compiled_core_without_a_needed_function_is_reported_as_unfit(tmp_path, monkeypatch, workers):
     monkeypatch.delattr("stiction._core.press_profile_batches")
     completed = call_stiction("run", "quick", *SMALL_STUDY_OPTIONS, "--workers", workers, cwd=tmp_path)
-    assert_rejected(completed, "stiction: the compiled part of stiction (_core) is older than its Python files: build")
+    assert_rejected(completed, "stiction: the compiled part of stiction (_core) does not fit its Python files: build")
 
 
-def test_compiled_core_without_a_needed_name_of_an_import_is_reported_as_older_than_the_python_files(
-    monkeypatch, capsys
-):
+def test_compiled_core_without_a_needed_name_of_an_import_is_reported_as_unfit(monkeypatch, capsys):
     def import_missing_name(**_):
         from stiction._core import missing_name  # noqa: F401
 
     monkeypatch.setattr(application, "app", import_missing_name)
     assert application.run_command_line() == 2
-    assert capsys.readouterr().err.startswith("stiction: the compiled part of stiction (_core) is older")
+    assert capsys.readouterr().err.startswith("stiction: the compiled part of stiction (_core) does not fit")
 
 
 def test_attribute_error_of_another_object_keeps_its_traceback(monkeypatch):

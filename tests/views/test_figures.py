@@ -544,6 +544,17 @@ def test_size_of_a_new_figure_is_in_millimetres():
     np.testing.assert_allclose(25.4 * style.new_figure(50, width=100).get_size_inches(), [100, 50])
 
 
+@pytest.mark.parametrize("setting", ["figure.autolayout", "figure.constrained_layout.use"])
+def test_layout_settings_of_the_user_do_not_affect_figure_files(setting, maps_at_two_cutoffs):
+    def render_map_figure():
+        figure = contact_map_figure(contact_picture(maps_at_two_cutoffs), direction=90.0)
+        return [style.render_figure(figure, file_format) for file_format in ("svg", "png")]
+
+    expected = render_map_figure()
+    with mpl.rc_context({setting: True}):
+        assert render_map_figure() == expected
+
+
 def test_inline_svg_conversion_draws_a_constrained_layout_figure_only_once(monkeypatch):
     draw, num_draws = Figure.draw, 0
 

@@ -43,6 +43,9 @@ MATPLOTLIB_STYLE: dict[Any, Any] = {
     # With a constant salt, equal figures give identical files.
     "svg.hashsalt": "stiction",
     "axes.unicode_minus": True,
+    # Without these settings, `Figure.set_layout_engine` creates the engine that a user's settings demand.
+    "figure.autolayout": False,
+    "figure.constrained_layout.use": False,
 }
 
 # Colours for people with colour vision deficiencies, from Okabe and Ito (2008) and Tol (2021).
