@@ -137,8 +137,8 @@ COMMANDS_BY_GROUP: dict[str, dict[str, tuple[str, str]]] = {
 }
 """Module and help line of each command, by group, so that the help text needs no import of the modules."""
 
-OLD_CORE_MESSAGE = (
-    "the compiled part of stiction (_core) is older than its Python files: build it again with ./dev setup or "
+UNFIT_CORE_MESSAGE = (
+    "the compiled part of stiction (_core) does not fit its Python files: build it again with ./dev setup or "
     "pip install ."
 )
 
@@ -329,10 +329,10 @@ def run_command_line() -> int:
         print_message(error.translated_message(_option_name))
     except (AttributeError, ImportError) as error:
         # Only the text tells the module apart: an error in a worker process arrives without its object.
-        is_core_too_old = "'stiction._core'" in str(error)
-        if isinstance(error, AttributeError) and not is_core_too_old:
+        is_core_unfit = re.search(r"'stiction\._core['.]", str(error)) is not None
+        if isinstance(error, AttributeError) and not is_core_unfit:
             raise
-        print_message(OLD_CORE_MESSAGE if is_core_too_old else str(error) or type(error).__name__)
+        print_message(UNFIT_CORE_MESSAGE if is_core_unfit else str(error) or type(error).__name__)
     except ValueError as error:
         print_message(str(error) or type(error).__name__)
     # A RuntimeError or SystemError occurs if a thread cannot start, or if a library runs out of memory.
