@@ -61,7 +61,7 @@ class UncertainModulus:
 
     @property
     def all_inputs(self) -> dict[str, UncertainInput]:
-        """Given elastic constants, exact or uncertain, keyed by names such as "effective_modulus" or "young_upper"."""
+        """Elastic constants that were given, exact or uncertain, keyed by name, such as "young_upper"."""
         sides = SIDES[:1] if self.is_one_material else SIDES
         inputs = {
             f"{name}_{side}": body[name]

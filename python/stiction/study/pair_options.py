@@ -239,7 +239,7 @@ def has_two_profiles(pair: PairProperties) -> bool:
 
 @make_condition("is for two profiles that are pressed as lines; other bodies have a nominal area")
 def presses_profiles_as_lines(pair: PairProperties) -> bool:
-    """Return whether both bodies are profiles, and lines are pressed instead of surrogate maps."""
+    """Return whether both bodies are profiles that are pressed as lines, instead of surrogate maps of the profiles."""
     return pair.are_profiles and pair.press_mode == "lines"
 
 
@@ -359,7 +359,7 @@ def has_contact_law_with_yield(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with {hardness}, which determines it")
 def has_free_yield_strength(pair: PairProperties) -> bool:
-    """Return whether a yield strength may be given: the hardness is not given, or is used by the half-space model."""
+    """Return whether a yield strength is allowed: no hardness is given, or the half-space model uses the hardness."""
     return pair.options.hardness is None or "half-space" in pair.contact_models
 
 

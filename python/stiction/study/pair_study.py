@@ -343,7 +343,7 @@ class MeasuredPair:
         return inputs
 
     def _parse_inputs(self, name: str) -> list[InputValue]:
-        """Parse the values that the user gives for an option, such as mu0, as inputs of the study.
+        """Parse the values that the user gives for an input of the study, such as one or more values of mu0.
 
         Numbers without a unit are in core units.
         """
@@ -995,7 +995,7 @@ def _list_scans(side: str, scan_input: Any) -> list[Any]:
 
 
 def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | NoiseHiddenInSpectrum | None:
-    """Return the instrument limit of a scan; if it hardly affects the slope, return hidden noise or None instead."""
+    """Return a scan's instrument limit if it affects the slope noticeably, or else the scan's hidden noise, if any."""
     body = scan.read()
     if isinstance(body, JoinedSpectrum) or body.is_flat:
         return None

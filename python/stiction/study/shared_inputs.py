@@ -46,7 +46,7 @@ _TESTED_RANGE_PATTERN = re.compile(r"(normal|log-normal|uniform) (\S+?)\.\.(\S+)
 
 @dataclass(frozen=True)
 class SharedInput:
-    """Input of a pair that also occurs in the friction tests of its interface, with its distribution in both.
+    """Input of both a pair and the friction tests of its interface, with its distribution in the pair and in the tests.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class SharedInput:
         return self.stated.high - self.stated.low < self.tested.high - self.tested.low
 
     def sample(self, fit: StrengthFit) -> Floats:
-        """Return the input's values (GPa, or dimensionless) that belong to the samples of mu0 and tau0 in a fit."""
+        """Return the input's values (GPa, or dimensionless), one for each pair of mu0 and tau0 samples in a fit."""
         from scipy.special import ndtr
 
         return self.tested.quantile(ndtr(fit.scores[self.score_name]))
@@ -114,7 +114,7 @@ def find_shared_inputs(
 def _find_tested_ranges(
     scores: Mapping[str, Floats], name: str, stated: UncertainInput, pair_checksum: str
 ) -> Iterator[SharedInput]:
-    """Yield each range that an input has in the tests of an interface, parsed from the names of its samples."""
+    """Yield a `SharedInput` for each range of an input in the tests; names of the input's samples contain the range."""
     suffix = f" of {pair_checksum}" if name == "area_loss" else ""
     for score_name in scores:
         text = score_name.removeprefix(f"{name} ")
@@ -172,7 +172,7 @@ def _compute_log_density(estimate: UncertainInput, values: Floats) -> Floats:
 
 
 def _combine_weights(log_weights: Sequence[Floats]) -> Floats:
-    """Combine the importance weights of all inputs to one weight per sample; return the logarithms of the weights.
+    """Combine the importance weights of all inputs into one weight per sample; return the logarithms of these weights.
 
     Weights of inputs are raised to powers below 1 until the effective number of samples is large enough. The power of
     the input that leaves the fewest samples is reduced, so that a much narrower range does not widen other ranges.

@@ -145,7 +145,7 @@ class GeneratedSurfaceFrictionSettings(SettingsSectionVariant):
 
 
 class AsperityFrictionSettings(GeneratedSurfaceFrictionSettings):
-    """Section `[friction]` for generated surfaces in the asperity model: mu0 and tau0 for figures, but no loads."""
+    """Section `[friction]` for generated surfaces in the asperity model: mu0 and tau0 of figures, but no loads."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
     load: ClassVar[tuple[Quantity, ...]] = ()
@@ -449,7 +449,7 @@ class Study(SettingsSection):
 
     @property
     def pair_checksum(self) -> str:
-        """Checksum of everything that identifies a tested pair, such as surfaces, contact model, E* and hardness.
+        """Checksum of the properties that identify a tested pair, such as its surfaces, contact model, E* and hardness.
 
         The checksum does not depend on paths, loads or friction, so that `calibrate` recognizes a tested pair.
         """
@@ -598,7 +598,7 @@ class Study(SettingsSection):
         return format_toml_sections(self._to_sections())
 
     def _convert_base_sections(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-        """Return the sections of the study, converted to the classes that the changed keys, such as `kind`, select."""
+        """Return the study's sections, converted to other classes if a changed key, such as `kind`, requires them."""
         sections = self._to_sections()
         selectors = {
             key: changes.get(f"{section}.{key}", sections[section].get(key)) for section, key in _DISCRIMINATOR_KEYS
@@ -766,7 +766,7 @@ def find_section_differences(
 
 
 def find_member_differences(first_study: Study, second_study: Study) -> list[StudyDifference]:
-    """List the differing keys of two studies that affect the computed surface pairs, with the values in both studies.
+    """List keys that differ between two studies and affect the computed surface pairs, with the values in both studies.
 
     Members depend on the central values of inputs, but not on the ranges. Members do not depend on the section
     `[friction]`, on the area loss under shear, on the depth of the indentation, on whether the lay was assumed, on

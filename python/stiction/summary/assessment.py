@@ -147,7 +147,7 @@ class LimitCheck(NamedTuple):
 
     @property
     def shown_name(self) -> str:
-        """Name of the number that the caveat's text shows: `about` if given, or else `name`, the checked number."""
+        """Name of the number in the caveat's text: `about`, or `name` (the checked number) if `about` is empty."""
         return self.about or self.name
 
     def to_caveat(self, numbers: Mapping[str, Any]) -> Caveat:
@@ -344,7 +344,7 @@ def _growth_remedy_for_unnamed_materials(study: Study) -> str:
 def find_point_caveats(
     point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient, status: str
 ) -> Iterator[Caveat]:
-    """Yield the caveats at one load, mu0 and tau0 that follow from the status, the coefficient and the contacts."""
+    """Yield the caveats that follow from the status, the coefficient and the contacts at one load, mu0 and tau0."""
     contact_checks = _build_contact_checks(study)
     if is_unloaded(point):
         yield NO_COEFFICIENT_CAVEAT
@@ -690,7 +690,7 @@ def _find_caveats_about_unlimited_friction(
 
 
 def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield caveats if adhesion is neglected, its range is unresolved, or its uncertainty is not in the interval."""
+    """Yield caveats if adhesion is neglected, if its range is unresolved, or if E* or the hardness is uncertain."""
     if not study.contact.adheres:
         added_load = estimate_adhesion_load_ratio(point, study)
         # The asperity model always neglects adhesion, so there is a caveat only if adhesion would double the load.
@@ -803,7 +803,7 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
 
 
 def _find_drift_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
-    """Yield a caveat for each body with a single scan whose roughness changes along the scan enough to affect friction.
+    """Yield a caveat for each body with only one scan, if roughness changes along the scan enough to affect friction.
 
     The coefficient minus mu0 is inversely proportional to the slope, unless the hardness limits the pressures.
     """
@@ -873,7 +873,7 @@ def find_lay_caveats(
 
 
 def _is_coefficient(rule: SlidingRuleCoefficient) -> bool:
-    """Return whether the coefficient for a sliding rule is known, and not only a lower limit of the coefficient."""
+    """Return whether the value for a sliding rule is a coefficient, and not NaN or a lower limit of the coefficient."""
     return not math.isnan(rule.value) and rule.status != friction.STATUS_BULK_SHEAR
 
 

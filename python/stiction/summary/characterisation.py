@@ -199,7 +199,7 @@ class Characterisation:
 
     @cached_property
     def friction_estimates(self) -> tuple[float, ...]:
-        """Friction coefficients along x and y, estimated from small slopes, for two bodies with this body's roughness.
+        """Small-slope estimates of the friction coefficient along x and y, for this body on an equally rough body.
 
         The tuple is empty if the slopes along an axis are 0.
         """

@@ -36,7 +36,7 @@ CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
 
 
 def evaluate_positions(result: Evaluation, point: xarray.Dataset) -> xarray.Dataset:
-    """Add the friction coefficient of each surface pair to a dataset for one load, mu0 and tau0 (`member_friction`).
+    """Add each surface pair's friction coefficient, as `member_friction`, to a dataset for one load, mu0 and tau0.
 
     The variable has the dimensions repetition, direction and sliding.
     """
@@ -65,7 +65,7 @@ def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray
 def evaluate_height_factors(
     result: Evaluation, scaled_bodies: ScaledBodies, mu0_index: int = 0, tau0_index: int = 0
 ) -> xarray.Dataset:
-    """Evaluate friction for each factor by which heights were scaled in stored results, at the study's first load.
+    """Evaluate friction at the study's first load for each height scale factor with a stored result.
 
     Nominal area and area fraction are omitted if the study has no nominal area.
     """
@@ -137,7 +137,8 @@ def evaluate_friction_over_dimension(result: Evaluation, mu0: Sequence[float]) -
 def _find_commonly_reached_load(result: Evaluation, lowest: float) -> float:
     """Return a load (mN) that 90 % of the combinations of fractal dimension and amplitude reach.
 
-    The load is a power of 10, unless this power would be below `lowest` (mN).
+    The load is a power of 10, unless this power would be below `lowest` (mN). The load is at least `lowest`, even if
+    fewer combinations reach `lowest`.
     """
     highest_loads = result.mean_elastic_loads.max(result.study.step_quantity).values
     common_load = float(np.quantile(highest_loads[highest_loads > 0], 0.1))

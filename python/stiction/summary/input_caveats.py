@@ -246,7 +246,7 @@ def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :
 
 
 def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return the remedy of a caveat, or advise a longer scan if the caveat's cutoff exceeds `longest` (µm)."""
+    """Return a caveat's remedy or, if the caveat's cutoff exceeds `longest` (µm), the advice to scan a longer part."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
     return (
@@ -368,7 +368,7 @@ def _get_axis_extents(body: MeasuredBody) -> tuple[float, float]:
 
 
 def have_different_spectra(joined: JoinedSpectrum) -> bool:
-    """Return whether a scan's spectral density differs significantly by more than a factor of 2 from other scans."""
+    """Return whether a scan's spectral density differs from the others by more than a factor of 2, beyond chance."""
     with np.errstate(invalid="ignore"):
         return bool(
             (np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_RATIO_OF_TWO_SPECTRA)).any()

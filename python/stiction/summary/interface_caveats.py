@@ -86,7 +86,7 @@ def find_range_caveats(strength: InterfaceStrength, inputs: Inputs, pair_checksu
 
 
 def _get_tested_range_text(shared_input: SharedInput, strength: InterfaceStrength, unit: str) -> str:
-    """Return the range of an input in the tests as text: two limits or, for the hardness, the user's own text."""
+    """Return an input's range in the tests as text: two limits or, for the hardness, the text given to `calibrate`."""
     tested = shared_input.tested
     with contextlib.suppress(KeyError, ValueError):
         hardness = parse_study_input("hardness", strength.about[HARDNESS_HEADER_ENTRY])

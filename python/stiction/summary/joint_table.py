@@ -202,7 +202,7 @@ def parse_closure_start(closure_from: Any, study: Study, nominal_area: float | N
 
 
 def add_load(loads: Floats, load: float) -> tuple[Floats, float]:
-    """Add a load (mN) to an array unless it contains this load; return the array and the load stored in the array."""
+    """Return an array of loads (mN), with a given load added if it is missing, and this load as stored in the array."""
     equal_loads = loads[np.isclose(loads, load, rtol=MAX_LOAD_ROUND_OFF, atol=0)]
     return (loads, float(equal_loads[0])) if equal_loads.size else (np.unique([*loads, load]), load)
 
@@ -226,7 +226,7 @@ def build_joint_study(
 def build_joint_table(
     at: xarray.Dataset, study: Study, units: str, assessments: Mapping[float, str], closure_from: float | None = None
 ) -> JointTable:
-    """Build the joint table of a measured pair from a dataset that `Result.at` returned, for its first mu0 and tau0.
+    """Build a measured pair's joint table from a dataset that `Result.at` returned, for the first mu0 and first tau0.
 
     `assessments` contains the assessment of the coefficient at each load (mN). Loads at which the pair has no closure
     are omitted. `closure_from` is the load (mN) from which the closure is counted, by default 0 (first contact).

@@ -268,7 +268,7 @@ class PointSummary:
 
     @property
     def load_definition_effect(self) -> float:
-        """Largest relative difference between the coefficients for the elastic and the normal load; NaN if unknown."""
+        """Largest relative change of the coefficient under another definition of the load; NaN if unknown."""
         return self.numbers.get("load_definition_effect", math.nan)
 
     @property
@@ -381,9 +381,9 @@ class Summary:
 
     @property
     def reported_points(self) -> list[PointSummary]:
-        """Result points that output shows: the points at the reported cutoff.
+        """Result points that output shows: all points except those that an interval at another cutoff covers.
 
-        Their intervals include the results at the other cutoff.
+        The intervals of the points at the reported cutoff include the results at the covered cutoff.
         """
         return [point for point in self.points if not point.covered]
 
@@ -427,7 +427,7 @@ def summarize(
 
 
 def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates: Mapping[str, float]) -> bool:
-    """Return whether a coefficient has an interval in the result of each alternative preparation of the scans."""
+    """Return whether the coefficient at given coordinates has an interval for each alternative preparation of scans."""
     return all(
         point.rules[0].has_interval
         for alternative in alternatives.values()
@@ -456,7 +456,7 @@ def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, a
 
 
 def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
-    """Widen the intervals of coefficients at the reported cutoff to include the intervals at the other cutoff.
+    """Widen each coefficient's interval at the reported cutoff to include its interval at the study's other cutoff.
 
     The returned list begins with the points at the reported cutoff. The points at the other cutoff are marked as
     covered.
@@ -482,7 +482,7 @@ def _get_coordinates_without_cutoff(point: PointSummary) -> tuple[tuple[str, flo
 
 
 def _extend_point_to_other_cutoff(point: PointSummary, other_point: PointSummary) -> PointSummary:
-    """Extend a result point at the reported cutoff by the intervals and caveats of the same point at another cutoff.
+    """Widen the intervals of a result point to include those at another cutoff, and add the faults at that cutoff.
 
     Filtering does not improve an assessment, so a fault at the other cutoff is also a fault of the reported point.
     """
@@ -517,7 +517,7 @@ def _extend_point_to_other_cutoff(point: PointSummary, other_point: PointSummary
 
 
 def _build_entry_of_possible_noise(point: PointSummary) -> UncertaintyBudgetEntry:
-    """Return the row for possible noise in the uncertainty budget: the interval at the reported cutoff alone."""
+    """Return the uncertainty budget's row for possible noise: the interval at the reported cutoff, before widening."""
     width = point.upper - point.lower
     return UncertaintyBudgetEntry(
         point.value, point.lower, point.upper, name="remaining_interval", kind="conditional",
@@ -659,7 +659,7 @@ def _is_outside_asperity_model(table: xarray.Dataset) -> bool:
 
 
 def _read_coefficients(table: xarray.Dataset, name: str, dimension: str) -> dict[float, Estimate]:
-    """Return estimates of a quantity, keyed by coordinate of a dimension; empty if the dimension is missing."""
+    """Return a quantity's estimates along a dimension, keyed by coordinate; return {} if either is missing."""
     return read_estimates_along(table[name], dimension) if name in table and dimension in table[name].dims else {}
 
 
@@ -718,7 +718,7 @@ def _compute_friction_contributions(
 
 
 def has_central_value(study: Study, coordinates: Mapping[str, Any], name: str) -> bool:
-    """Return whether mu0 (or tau0) at a result point equals the central value of the study's first mu0 (or tau0)."""
+    """Return whether a result point's mu0 or tau0 (`name`) equals the central value of the first one in the study."""
     return math.isclose(coordinates[name], float(getattr(study.friction, name)[0]), rel_tol=1e-3)
 
 

@@ -110,7 +110,7 @@ def _fit_exponents(log_q: Floats, power: Floats) -> Floats:
 
 
 def _fit_power_laws(log_q: Floats, power: Floats, weight: Floats) -> tuple[Floats, Floats]:
-    """Fit a power law to each of several spectra, given as rows of wave numbers, powers and weights.
+    """Fit a power law to each of several spectra; each row of the arrays contains the data of one spectrum.
 
     Returns exponents and negative log-likelihoods.
 
@@ -502,7 +502,7 @@ def _fit_spectrum_pieces(
 def _select_spectrum_pieces(
     bin_count: int, starts: NDArray[np.intp], piece_ends: NDArray[np.intp], losses: Floats
 ) -> list[int]:
-    """Divide a binned spectrum into fitted pieces with the lowest total loss, including a penalty for each piece."""
+    """Select the fitted pieces that cover a spectrum with the lowest total loss, including a penalty for each piece."""
     min_loss, last_piece = np.full(bin_count + 1, np.inf), np.full(bin_count + 1, -1)
     min_loss[0] = 0.0
     for piece in np.argsort(piece_ends, kind="stable"):

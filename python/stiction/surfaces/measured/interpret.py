@@ -411,7 +411,7 @@ def _describe_unclear_spacing(raw: RawHeights) -> str:
 
 
 def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> None:
-    """Raise `FormatError` if no unit makes the header's spacing (which has no unit) equal to the user's spacing.
+    """Raise `FormatError` if a spacing without a unit in the header differs from the user's spacing in every unit.
 
     Two spacings in a header line of uncertain meaning must equal the user's spacings in either order.
     """

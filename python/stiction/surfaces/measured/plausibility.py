@@ -354,7 +354,7 @@ def _find_excessive_height_range(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _find_contradicted_height_range(scan: ScannedHeights) -> Iterator[str]:
-    """Report a height range that is far above the range in the header, or below it by a power of 1000.
+    """Report heights whose range far exceeds the range in the header, or is smaller by a power of 1000.
 
     A declared range that is larger by any other factor may be the measuring range of the instrument.
     """

@@ -220,7 +220,10 @@ class ColumnTable:
     word_columns: tuple[WordColumn, ...] = ()
 
     def last_digit_value_function(self, column: int) -> LastDigitValueFunction | None:
-        """Return a function that computes the place value of each number's last printed digit in a column, or None."""
+        """Return a function that computes the place value of the last printed digit of each number in a column.
+
+        Returns None if the printed digits are unknown.
+        """
         digits = self.digits
         return None if digits is None else lambda: digits(column)
 

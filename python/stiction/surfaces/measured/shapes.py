@@ -1,4 +1,4 @@
-"""Second step of reading a table: select the columns of heights by the user's options or by the data in the columns."""
+"""Second step of reading a table: find the height columns that the user chose, or else infer them from the table."""
 
 from __future__ import annotations
 
