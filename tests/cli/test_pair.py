@@ -808,6 +808,20 @@ def test_pair_command_resumes_with_the_same_options_and_rejects_different_option
     assert store.open_stored_result(scans_directory / "areas").finished_members.size == 2
 
 
+@pytest.mark.usefixtures("disable_figures", "no_reports")
+def test_rejection_of_another_junction_growth_names_the_option_that_opens_the_stored_pair(scans_directory):
+    command = ["pair", *MAP_ARGUMENTS, "--upper", "glass", "--mu0", 0.3, "--load", "10 MPa", "--shifts", 2]
+    command += ["--onset", 0, "--output", "grown"]
+    check_stiction(*command, "--junction-growth", "slip-line 5.2..5.6", cwd=scans_directory)
+    option = "--junction-growth 'slip-line 5.2..5.6'"
+    assert_rejected(call_stiction(*command, cwd=scans_directory), f"open the stored result with {option}")
+    opened = check_stiction(*command, "--junction-growth", "slip-line 5.2..5.6", cwd=scans_directory)
+    assert "grown already contains this study" in opened.stdout
+    rejected = call_stiction(*command, "--rotate", 10, cwd=scans_directory)
+    assert_rejected(rejected, "contains another study")
+    assert option not in rejected.stderr
+
+
 @pytest.mark.parametrize(
     ("options", "is_assumed"),
     [

@@ -398,6 +398,17 @@ def test_contacts_grow_by_slip_lines_by_default_unless_the_softer_body_is_a_name
     assert ("no junction growth" in str(result)) == (growth == 0)
 
 
+@pytest.mark.parametrize("options", [{}, {"hardness": "4 GPa"}], ids=["material hardness", "given hardness"])
+def test_study_of_adhesive_rock_contains_no_junction_growth_unless_it_is_given(options):
+    adhesion = {"work_of_adhesion": "50 mJ/m^2", "adhesion_range": "2 nm"}
+    conditions = {"load": "20 MPa", "cutoff": "none", "shifts": 2, "onset": 0}
+    options = options | {"upper": "granite", "mu0": 0.3} | adhesion | conditions
+    result = pair(*rough_surfaces(), **options)
+    assert result.study.contact.junction_growth is None
+    assert "no junction growth" not in str(result)
+    assert pair(*rough_surfaces(), **options, junction_growth=0).study.contact.junction_growth == 0
+
+
 def test_coefficient_of_yielding_rock_has_an_upper_limit_unless_slip_lines_are_given():
     options = PLASTIC_OPTIONS | {"effective_modulus": None, "upper": "granite", "hardness": "4 GPa", "load": "500 MPa"}
     result = pair(*rough_surfaces(0.2), **options, mu0="0.35±0.05")

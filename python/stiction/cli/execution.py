@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
+import shlex
 import sys
 from collections.abc import Callable
 from concurrent.futures import Executor
@@ -61,6 +62,9 @@ def _conflict_advice(error: StudyMismatchError, study: Study, *, is_replaceable:
     remedies = ["choose another directory with --output DIR"]
     if is_replaceable:
         remedies.append("overwrite the stored result with --replace")
+        growth = error.stored.contact.junction_growth
+        if growth is not None and [key for key, *_ in error.differences] == ["contact.junction_growth"]:
+            remedies.append(f"open the stored result with --junction-growth {shlex.quote(growth.text)}")
     loading_steps, loads = error.stored.contact.loading_steps(), [float(load) for load in study.friction.load]
     only_loads = all(study_key == "contact.load" for study_key, *_ in error.differences)
     if only_loads and loads and loading_steps[0] <= min(loads) and max(loads) <= loading_steps[-1]:

@@ -691,8 +691,6 @@ class MeasuredPair:
                 section["hardness"] = hardness
             if (growth := self._junction_growth) is not None:
                 section["junction_growth"] = growth
-            elif self.options.junction_growth is not None or not self._can_yield_by_slip_lines:
-                section["junction_growth"] = 0.0
             if (exponent := self._yield_exponent) is not None:
                 section["yield_exponent"] = exponent
             if (indent := self._indentation_depth) is not None:
@@ -752,11 +750,13 @@ class MeasuredPair:
 
     @property
     def _junction_growth(self) -> InputValue | None:
-        """Junction growth of yielding contacts under shear, or None if the contacts do not grow.
+        """Junction growth of contacts under shear, or None if contacts cannot grow and no growth is given.
 
-        The default is the junction growth of the interface. Without an interface, contacts yield by slip lines, unless
-        a material to which slip-line theory does not apply is named.
+        Contacts can grow if they yield and do not adhere. The default is the junction growth of the interface. Without
+        an interface, contacts yield by slip lines, or do not grow (0) if a material to which slip-line theory does not
+        apply is named.
         """
+        no_growth = parse_input_value("junction_growth", 0.0)
         given_value: Any = self.options.junction_growth
         if given_value is None:
             can_grow = self._hardness is not None and not self._adhesion_entries.get("work_of_adhesion")
@@ -766,7 +766,7 @@ class MeasuredPair:
             if interface_growth is not None:
                 return _build_growth_entry(interface_growth) or None
             if not self._can_yield_by_slip_lines:
-                return None
+                return no_growth
             given_value = SLIP_LINE_TEXT
         elif self._hardness is None:
             raise ArgumentError("{junction_growth} needs {hardness}, because shear enlarges only contacts that yield")
@@ -775,7 +775,7 @@ class MeasuredPair:
             raise ArgumentError(
                 "{junction_growth} must be 0 if {work_of_adhesion} is given, got {got}", got=repr(given_value)
             )
-        return growth if growth else None
+        return growth if growth else no_growth
 
     @property
     def _can_yield_by_slip_lines(self) -> bool:
