@@ -214,16 +214,24 @@ def _build_inputs(
 
 
 def _build_hardness_label(hardness: UncertainInput, materials: tuple[Material, ...]) -> str:
-    """Return the label of the hardness, which names a material only if this material certainly has this hardness.
+    """Return the label of the hardness, which names a material only if this material certainly has this hardness."""
+    label, softer_material = _LABELS["hardness"], softest_material(*materials)
+    if softer_material is None:
+        return label
+    material_of_hardness = find_material_of_hardness(hardness, materials)
+    return f"{label} of the {'softer body' if material_of_hardness is None else material_of_hardness.name}"
+
+
+def find_material_of_hardness(hardness: UncertainInput, materials: tuple[Material, ...]) -> Material | None:
+    """Return the material that certainly has a given hardness, or None.
 
     A measured hardness may belong to the body that the table of materials lists as the harder one.
     """
-    label, softer_material = _LABELS["hardness"], softest_material(*materials)
+    softer_material = softest_material(*materials)
     if softer_material is None or softer_material.hardness is None:
-        return label
+        return None
     is_from_table = (hardness.low, hardness.high) == (softer_material.hardness.low, softer_material.hardness.high)
-    is_certain = is_from_table or len(set(materials)) == 1
-    return f"{label} of the {softer_material.name if is_certain else 'softer body'}"
+    return softer_material if is_from_table or len(set(materials)) == 1 else None
 
 
 def _build_input(name: str, label: str, value: InputValue) -> StudyInput:

@@ -45,7 +45,7 @@ from stiction.study.input_distributions import (
     UncertainInput,
     parse_input_value,
 )
-from stiction.study.inputs import Inputs
+from stiction.study.inputs import Inputs, find_material_of_hardness
 from stiction.study.interfaces import InterfaceStrength, interfaces, round_median_strength
 from stiction.study.measured_bodies import MACHINING_PROCESSES, MeasuredBody, MeasuredBodySettings
 from stiction.study.measured_surfaces import DEFAULT_NUM_SHIFTS, DEFAULT_NUM_SURROGATES
@@ -779,9 +779,14 @@ class MeasuredPair:
 
     @property
     def _can_yield_by_slip_lines(self) -> bool:
-        """Return whether slip-line theory may apply to the softer body: a metal, a polymer or an unnamed material."""
-        softer_material = softest_material(*self._materials)
-        return softer_material is None or softer_material.kind in SLIP_LINE_KINDS
+        """Return whether slip-line theory may apply to the softer body: a metal, a polymer or an unnamed material.
+
+        A given hardness may belong to either of two named materials.
+        """
+        assert self._hardness is not None, "contacts yield"
+        softer_material = find_material_of_hardness(self._hardness.estimate, self._materials)
+        possible_materials = self._materials if softer_material is None else (softer_material,)
+        return not possible_materials or any(body.kind in SLIP_LINE_KINDS for body in possible_materials)
 
     @property
     def _yield_exponent(self) -> InputValue | None:
