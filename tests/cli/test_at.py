@@ -226,6 +226,22 @@ def test_error_of_the_at_command_names_the_rejected_option(results_directory, ar
     assert_rejected(call_stiction("at", *arguments, cwd=results_directory), *expected_words)
 
 
+def test_range_for_the_at_command_is_rejected_with_a_command_that_quotes_the_directory(results_directory, tmp_path):
+    shutil.copytree(results_directory / "maps", tmp_path / "two words")
+    rejected = call_stiction("at", "two words", "--mu0", "0.1..0.2", cwd=tmp_path)
+    assert_rejected(rejected, """stiction run 'two words' --set 'friction.mu0="0.1..0.2"'""")
+
+
+def test_range_for_a_pair_with_a_friction_law_is_rejected_without_a_command_that_drops_the_law(results_directory):
+    law, maps = "MoS2 on bearing steel, dry air", PAIR_ARGUMENTS["maps"]
+    index = maps.index("--mu0")
+    arguments = (*maps[:index], *maps[index + 4 :], "--interface", law, "--output", "with_law")
+    check_stiction("pair", *arguments, cwd=results_directory, without_figures=True, without_report=True)
+    rejected = call_stiction("at", "with_law", "--mu0", "0.1..0.2", cwd=results_directory)
+    assert_rejected(rejected, f"come from the friction law {law}: for another range, run stiction pair with another")
+    assert "--set" not in rejected.stderr
+
+
 # ---- info, export, run, plot -----------------------------------------------------------------------------------------
 
 

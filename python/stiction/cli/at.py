@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -162,7 +163,8 @@ def at(
 def _reject_range(name: str, text: str | None, directory: Path, study: Study) -> None:
     """Raise an `ArgumentError` if the text for mu0 or tau0 is a range or contains an uncertainty.
 
-    For measured bodies, the message contains the command that accepts the text.
+    For measured bodies, the message contains the command that accepts the text. If a friction law defines mu0 and
+    tau0 of the study, it recommends another law instead, because the command would replace the law.
     """
     from stiction.study.input_distributions import parse_study_input
 
@@ -173,9 +175,17 @@ def _reject_range(name: str, text: str | None, directory: Path, study: Study) ->
         # The text is a list of numbers, or the caller reports a better error.
         return
     message = f"{{{name}}} must be one or more numbers without ranges, got {{got}}"
-    if study.is_measured:
+    if (law := study.friction.interface) is not None:
+        message += (
+            "; mu0 and tau0 of this pair come from the friction law {law}: for another range, run stiction pair with "
+            "another law file (--interface)"
+        )
+    elif study.is_measured:
         message += f"; for another range, run stiction run {{directory}} --set 'friction.{name}=\"{{text}}\"'"
-    raise ArgumentError(message, got=repr(text), directory=printable_path(directory), text=printable_text(text))
+    fields = {
+        "directory": shlex.quote(printable_path(directory)), "law": printable_path("" if law is None else law.file)
+    }  # fmt: skip
+    raise ArgumentError(message, got=repr(text), text=printable_text(text), **fields)
 
 
 def _print_height_factor_results(
