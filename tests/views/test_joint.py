@@ -18,6 +18,7 @@ from stiction.summary.evaluation import Evaluation
 from stiction.summary.joint_table import STIFFNESS_OVER_MEASURED_STIFFNESS, build_joint_table
 from stiction.views.files import summary_csv
 from stiction.views.rows import summary_table
+from stiction.views.style import axis_label
 from support.command import assert_rejected, call_stiction, check_stiction
 
 pytestmark = pytest.mark.usefixtures("no_companion_files")
@@ -424,10 +425,12 @@ def test_exported_joint_files_state_the_error_of_the_model_and_from_which_pressu
         assert words in card
 
 
-def test_table_of_a_pair_names_the_stiffness_that_a_joint_model_takes_as_k_n(result):
+def test_stiffness_of_closure_has_the_same_name_in_tables_joint_files_and_figures(result, directory):
     stiffness = result.at()["closure_stiffness"].sel(statistic="mean").values.ravel()[0]
-    column = summary_table(result.summary())["stiffness of closure k_n (MPa/mm)"]
-    assert float(column.iloc[0]) == pytest.approx(float(stiffness), rel=1e-3)
+    name = "stiffness of closure (MPa/mm)"
+    assert float(summary_table(result.summary())[name].iloc[0]) == pytest.approx(float(stiffness), rel=1e-3)
+    assert name in pandas.read_csv(io.StringIO(export_text(result, directory / "names.csv", joint=True)))
+    assert axis_label("closure_stiffness") == name
 
 
 def test_stated_error_of_the_model_covers_the_errors_of_the_measured_fractures():

@@ -298,7 +298,7 @@ QUANTITIES: dict[str, ResultQuantity] = {
     ),
     "closure_stiffness": _make_statistic_quantity(
         STIFFNESS_PER_AREA_UNIT, "derivative of the nominal pressure with respect to the closure",
-        "stiffness of closure k_n", proportional=True,
+        "stiffness of closure", proportional=True,
         proportional_with_adhesion=False, stored=_MEASURED_SOURCE, stored_bounds=_STORED_STIFFNESS_RANGE,
         shown=_DEFAULT_VIEWS,
     ),
