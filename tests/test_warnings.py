@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from stiction import FormatWarning, half_space, pair, press, read_profile, self_affine_surface
+from stiction import FormatWarning, FrictionTest, calibrate, half_space, pair, press, read_profile, self_affine_surface
 
 pytestmark = pytest.mark.usefixtures("no_companion_files")
 
@@ -46,3 +46,15 @@ def test_warning_refers_to_the_line_that_calls_the_package(tmp_path, issue_warni
     with pytest.warns(category, match=text) as caught_warnings:
         issue_warning(tmp_path)
     assert {warning.filename for warning in caught_warnings} == {__file__}
+
+
+@pytest.mark.filterwarnings("error")
+def test_calibration_and_pair_issue_no_unit_warning_about_a_fitted_tau0():
+    options = {"load": "20 MPa", "effective_modulus": "3 GPa", "shifts": 2, "onset": 0}
+    tested_pair = pair(*create_maps(), **options, mu0=0.2)
+    law = calibrate([FrictionTest(tested_pair, "20 MPa", coefficient=2.0, uncertainty=0.1)], mu0=0.1)
+    assert law.tau0[0] > 0.1 * 3
+    result = pair(*create_maps(), **options, interface=law)
+    assert str(result)
+    with pytest.warns(UserWarning, match="tau0 = 5 GPa is above .* was it meant in MPa"):
+        result.at(tau0="5 GPa")

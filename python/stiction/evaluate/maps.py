@@ -520,9 +520,11 @@ def choose_mu0_and_tau0(result: MemberSums, mu0: ArrayLike | None, tau0: ArrayLi
         study = result.study
         mu0 = study.friction.mu0 if mu0 is None else mu0
         tau0 = [float(value) for value in study.friction.tau0] if tau0 is None else tau0
-        friction.warn_if_tau0_is_large(
-            friction.validate_friction_parameter("tau0", tau0), float(study.contact.effective_modulus)
-        )
+        tau0_values = friction.validate_friction_parameter("tau0", tau0)
+        if study.friction.interface is not None:
+            # Nobody specified the unit of a tau0 that was fitted to friction tests.
+            tau0_values = np.setdiff1d(tau0_values, [float(value) for value in study.friction.tau0])
+        friction.warn_if_tau0_is_large(tau0_values, float(study.contact.effective_modulus))
     arrays_by_name = {
         name: np.atleast_1d(friction.validate_friction_parameter(name, strengths)).ravel()
         for name, strengths in (("mu0", mu0), ("tau0", tau0))
