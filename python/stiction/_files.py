@@ -25,10 +25,10 @@ The name contains the machine, the process id, the run and a random number.
 
 # Age (s) above which a partial file from another machine counts as abandoned.
 MAX_PARTIAL_FILE_AGE = 3600.0
-# Interval (s) so short that a claim on a directory outlives a few failed refreshes.
+# Interval (s) between refreshes of a claim file, short enough that a few failed refreshes do not end the claim.
 CLAIM_REFRESH_INTERVAL = 300.0
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
-# The process number does not identify this process, because the operating system reuses numbers.
+# A random token identifies this process, because the operating system reuses process numbers.
 _PROCESS_TOKEN = secrets.token_hex(4)
 _NUM_SEARCHED_BYTES = 2**16
 

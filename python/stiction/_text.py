@@ -10,7 +10,7 @@ MAX_PATH_LENGTH = 300  # characters
 MAX_WORD_LENGTH = 80  # characters
 MAX_QUOTED_LINE_LENGTH = 1000  # characters
 
-_UNPRINTABLE_CATEGORIES = {"Cc", "Cf", "Cs", "Zl", "Zp"}  # control, format, surrogate and separators
+_UNPRINTABLE_CATEGORIES = {"Cc", "Cf", "Cs", "Zl", "Zp"}  # Unicode: control, format, surrogate, separators
 
 
 def printable_text(text: object, max_length: int = MAX_WORD_LENGTH) -> str:

@@ -96,7 +96,7 @@ def quantity(text: object, kind: str) -> Quantity:
         raise ValueError(
             f"has the unit {unit!r}, which is not a unit of {kind} ({allowed}), got {short_repr(text)}{hint}"
         )
-    # Decimal arithmetic gives the same number for "100 nm" and "0.1 um".
+    # With decimal arithmetic, "100 nm" and "0.1 um" give exactly the same number in core units.
     value = float(Decimal(digits.replace("_", "")) * Decimal(units[unit]))
     return _check_magnitude(Quantity(value, f"{digits} {unit}"), kind, text)
 

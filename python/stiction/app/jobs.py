@@ -34,12 +34,12 @@ KILLED_PROCESS_TIMEOUT = 1.0  # s
 MAX_WAITING_JOBS = 8
 MAX_OUTPUT_BYTES = 2**25
 JOB_MEMORY_FRACTION = 0.5
-# Two short processes of the app may each use this fraction of the machine's memory at the same time.
+# Fraction of the machine's memory that each of two short processes of the app may use at the same time.
 READER_MEMORY_FRACTION = 0.25
 SCOPE_TEXT_SUFFIX = ", here and in the pictures"
 # A command prints its JSON record, which ends with these characters, before it draws figures.
 END_OF_JSON_RECORD = b"\n}\n"
-# Files that the user can save: name in the app, and name of the file that the command writes.
+# For each command, the files that the user can save: the name in the app, and the name that the command gives the file.
 FILES_BY_COMMAND = {
     "pair": {"page.html": "report.html", "result.csv": "result.csv", "study.toml": "study.toml"},
     "shear": {"page.html": "report.html", "result.csv": "shear.csv"},
@@ -191,7 +191,7 @@ class JobQueue:
         except asyncio.CancelledError:
             final_state, has_begun = "stopped", job.state == "running"
             job.state, job.activity = final_state, "reading the finished part"
-            # An error means that no result is stored yet, or that the surfaces do not touch.
+            # Reading fails if no result is stored yet, or if the surfaces do not touch.
             with suppress(*REPORTED_EXCEPTIONS):
                 if has_begun and not self._is_ending:
                     await self._read_result(job)

@@ -26,7 +26,7 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.registration import do_faces_fit
 from stiction.surfaces.roughness import reject_flat_or_small_surface, rms_gradient, roughness_parameters
 
-# The preview of a profile may have three times this number of points.
+# Maximum number of points along each side of the preview of a map; a profile may have three times as many.
 MAX_PREVIEW_SIDE_POINTS = 160
 # These colours are visible on light and on dark backgrounds.
 PROFILE_COLOURS = ("#7a8490", "#8a63c7")

@@ -49,7 +49,7 @@ from stiction.study.interfaces import interfaces
 from stiction.study.pair_study import MeasuredPair
 from stiction.surfaces.pairing import SIDES
 
-# The readers of measured surfaces have the same limit (bytes) for text files.
+# Maximum size (bytes) of an uploaded scan, equal to the limit for text files in the readers of measured surfaces.
 MAX_SCAN_BYTES = 300_000_000
 MAX_TOTAL_SCAN_BYTES = 2_000_000_000  # bytes
 MAX_REQUEST_BYTES = 2**16  # bytes
@@ -61,7 +61,7 @@ MAX_LISTED_RESULTS = 100
 MAX_PREVIEWED_SCAN_POINTS = 2**21
 REQUEST_EXCEPTIONS = (ValueError, TypeError, RecursionError, OSError, ClientDisconnect)
 ACCESS_KEY_HEADER = "x-stiction-key"
-# These files contain nothing private, so that requests for them need no access key.
+# Paths that a browser may request without the access key, because they contain no private data.
 PUBLIC_PATHS = ("/", "/app.js", "/app.css")
 
 ALLOWED_OPTIONS_BY_COMMAND = {

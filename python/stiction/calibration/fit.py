@@ -43,10 +43,10 @@ from stiction.study.shared_inputs import INPUTS_COMPARED_ELSEWHERE
 
 # Minimum relative standard deviation of the area per load A/F among the tests, if both mu0 and tau0 are fitted.
 MIN_AREA_VARIATION = 0.1
-# A nuisance point is a random sample of all nuisance parameters.
+# A nuisance point is one random sample of all nuisance parameters: the uncertain ones other than mu0 and tau0.
 NUM_NUISANCE_POINTS_PER_ROUND = 256
 MAX_NUISANCE_POINTS = 8192
-# The first count of nuisance points is doubled for each nuisance parameter, up to the second count.
+# Final number of nuisance points: the first number, doubled for each nuisance parameter, but at most the second.
 FINAL_NUISANCE_POINT_COUNTS = 256, 1024
 MAX_NORMAL_SCORE = 5.0  # standard deviations
 MAX_PROPOSAL_ROUNDS = 8
@@ -54,15 +54,15 @@ MIN_EFFECTIVE_SAMPLE_FRACTION = 0.4
 MIN_EFFECTIVE_SAMPLES = 300.0
 NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31
 NUM_STRENGTH_PAIRS = 4000
-# At the edge of the grid, 5.8 standard deviations away, -2 ln(density of mu0 and tau0) exceeds its minimum by this
-# number.
+# The grid of mu0 and tau0 extends to 5.8 standard deviations: there, -2 ln(probability density) exceeds its minimum by
+# this number.
 MAX_GRID_DEVIANCE = 34.0
-# Degrees of freedom of Student's t distribution: of drawn nuisance points, and of test errors if tests may be outliers.
+# Degrees of freedom of two Student's t distributions: of the drawn nuisance points, and of test errors with outliers.
 PROPOSAL_DEGREES_OF_FREEDOM = 5.0
 OUTLIER_DEGREES_OF_FREEDOM = 4.0
 MEDIAN_RELATIVE_DEVIATION_BETWEEN_RUNS = 0.10
 
-# This batch size limits the memory if contacts grow under shear.
+# If contacts grow under shear, nuisance points are processed in batches of this size, which limits the memory.
 MAX_GROWTH_BATCH_POINTS = 256
 GAIN_PARAMETER_NAME, RUN_SPREAD_PARAMETER_NAME = "gain", "spread between runs"
 
@@ -85,12 +85,12 @@ class _BestFit:
 class _GridLimits:
     """Limits of the mu0 and tau0 grids on which probabilities are computed: one grid per nuisance-parameter sample."""
 
-    # R of the QR decomposition of the test equations at each nuisance point, with the shape (points, 3, 3).
+    # Triangular factor R of the QR decomposition of the test equations at each nuisance point; shape (points, 3, 3).
     triangular_factors: Floats
     deviance_range: float
     min_tau0: Floats
     max_tau0: Floats
-    best_mu0: Floats | None = None  # (points, tau0), None without growth
+    best_mu0: Floats | None = None  # shape (points, tau0); None if contacts do not grow under shear
     width_below: Any = None
     width_above: Any = None
 
@@ -100,7 +100,7 @@ class _ProbabilityGrid:
     """Log-probabilities of mu0 and tau0 in the cells of grids, one grid for each sample of the nuisance parameters."""
 
     limits: _GridLimits
-    log_probability: Floats  # (points, tau0, mu0), without prior
+    log_probability: Floats  # shape (points, tau0, mu0), without the prior density
 
 
 class CalibrationProblem:
@@ -179,8 +179,8 @@ class CalibrationProblem:
         scores_by_name = dict(zip(self.nuisances, np.clip(scores, -MAX_NORMAL_SCORE, MAX_NORMAL_SCORE).T, strict=True))
         shape = len(scores), *(1 for _ in grid_shape)
         probability = {name: ndtr(values).reshape(shape) for name, values in scores_by_name.items()}
-        # Tests with equal equations share an area factor, unless contacts grow under shear and measured coefficients
-        # differ.
+        # Friction tests with equal test equations have the same area factor, unless contacts grow under shear and the
+        # measured coefficients differ.
         cached_factors: dict[Hashable, Floats] = {}
 
         def area_factors_of_test(test: int) -> Floats:
@@ -486,7 +486,7 @@ class CalibrationProblem:
     def _with_fixed_strengths(self, strengths: tuple[float | None, float | None]) -> CalibrationProblem:
         """Return a copy of the problem in which mu0 and tau0 (GPa) are fixed at the given numbers, or free if None."""
         problem = copy.copy(self)
-        problem.__dict__.pop("best_fit", None)  # the cached fit belongs to the previous fixed values
+        problem.__dict__.pop("best_fit", None)  # fitted with other fixed mu0 and tau0
         problem.fixed_strengths = strengths
         return problem
 
@@ -719,7 +719,7 @@ class CalibrationProblem:
         )
         best_mu0, slope, _ = find_best_mu0_at(tau0)
         width_above = math.sqrt(limits.deviance_range) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
-        # Below the best mu0, residuals depend less on mu0 than above it, but no less than without junction growth.
+        # Below the best mu0, residuals depend less on mu0 than above it, but never less than without junction growth.
         width_below = np.maximum(width_above, math.sqrt(limits.deviance_range) / limits.triangular_factors[:, :1, 0])
         return replace(limits, best_mu0=best_mu0, width_below=width_below, width_above=width_above)
 
@@ -765,7 +765,7 @@ class CalibrationProblem:
                 > MIN_EFFECTIVE_SAMPLE_FRACTION * NUM_NUISANCE_POINTS_PER_ROUND
             ):
                 break
-            # A weight exponent below 1 reduces the influence of the few nuisance points with large weights.
+            # A weight exponent below 1 reduces the influence of the few nuisance points with the largest weights.
             weight_exponent = 1.0
             while (
                 weight_exponent > 1e-3
@@ -857,7 +857,7 @@ class CalibrationProblem:
         mu0 = self._find_mu0_in_cells(grid.limits, point, row, tau0, column + mu0_fraction)
         scores = points[point, : len(self.nuisances)]
         if self.has_growing_contacts:
-            # If the softer body would shear at a random point of a cell, the centre of the cell replaces the point.
+            # If the softer body would shear at a random (mu0, tau0) of a grid cell, the centre of the cell is used.
             _, area_coefficients, _ = self._compute_equation_coefficients(scores, mu0, tau0)
             is_outside = ~np.isfinite(area_coefficients[:, self.slid]).all(axis=1)
             tau0_centre = low + (high - low) * (row + 0.5) / grid.log_probability.shape[1]
@@ -979,7 +979,7 @@ def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: flo
     tau0_at_zero_mu0 = first_row[:, 2] / np.where(first_row[:, 1] == 0, 1e-300, first_row[:, 1])
 
     def deviance(tau0: Floats) -> Floats:
-        # The variable `mu0` has the sign of the best mu0 at each tau0: it is the best mu0 times a positive factor.
+        # The variable `mu0` is the best mu0 at each tau0 times a positive factor: only its sign is correct.
         mu0 = first_row[:, 2] - first_row[:, 1] * tau0
         return np.asarray((second_row[:, 2] - second_row[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
 

@@ -68,7 +68,7 @@ class Ball:
     """
 
     radius: float | str
-    # In comparisons of two balls, `moduli` and `lost_fraction` replace inputs that can be given in several forms.
+    # Two balls are compared by `moduli` and `lost_fraction`, because E* and area loss can be given in several forms.
     effective_modulus: float | str | None = field(default=None, compare=False)
     young: Any = field(default=None, kw_only=True)
     poisson: Any = field(default=None, kw_only=True)
@@ -122,9 +122,9 @@ class AreaFactor:
     In this class, the factor is 1, as for exact inputs and contacts whose area does not change under shear.
     """
 
-    # Exact and uncertain inputs of a test by name, without mu0 and tau0, which tests determine.
+    # Exact and uncertain inputs of a friction test, by name. The unknowns mu0 and tau0 are not inputs of a test.
     inputs: Mapping[str, UncertainInput]
-    # Tests with equal checksums of their surfaces have the same area loss.
+    # Checksum of the surfaces of the test: tests with equal checksums have the same loss of contact area under shear.
     surfaces: str
 
     @cached_property

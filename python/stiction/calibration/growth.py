@@ -8,7 +8,7 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Each search covers a narrower range of tau0 than the search before.
+# Number of tau0 values in each grid search, and number of searches, each over a narrower range than the previous one.
 NUM_TAU0_SEARCH_POINTS, NUM_TAU0_SEARCHES = 13, 3
 NUM_NEWTON_STEPS = 3
 MU0_DERIVATIVE_STEP = 1e-4  # divided by 0.1 + mu0

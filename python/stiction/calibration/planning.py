@@ -36,12 +36,12 @@ class PlanConditions(NamedTuple):
     """Assumptions about further friction tests: number, relative error, hardness, and area per load of ball tests."""
 
     num_tests: int
-    # Median error of the present tests, or `DEFAULT_RELATIVE_ERROR`.
+    # Median relative error of the coefficients that were measured so far, or `DEFAULT_RELATIVE_ERROR` if unknown.
     relative_error: float
     is_error_known: bool
-    # True areas per load (1/GPa) of a ball at its highest and at its lowest load; a single test has only one load.
+    # True area per load (1/GPa) of a ball at its highest and at its lowest tested load, which may be the same load.
     ball_area_per_load: tuple[float, float]
-    # Hardness (GPa) of the bodies, or NaN if unknown.
+    # Hardness (GPa) of the wanted pair or, if it is not given, of the tested bodies; NaN if both are unknown.
     hardness: float
 
     @property
@@ -58,7 +58,7 @@ def find_plan_conditions(interface: Interface, hardness: float = math.nan) -> Pl
     if math.isnan(hardness):
         hardness = interface.tested_hardness
     if math.isnan(hardness):
-        # An interface file contains the hardness of the tests only as samples.
+        # An interface file contains the hardness of the tested bodies only as random samples, so their median is used.
         hardness = float(np.median(interface.fits[0].hardness))
     relative_errors = [
         uncertainty / coefficient for _, coefficient, uncertainty, slid in interface.tests if slid and coefficient > 0

@@ -103,7 +103,8 @@ class Interface(InterfaceStrength):
         is_measured_pair = not isinstance(result, (Ball, FrictionCurve)) and MemberSums.of(result).study.is_measured
         if is_measured_pair:
             combined = predict_coefficient(MemberSums.of(result), float(test.load), self)
-            # For a single position, the combined interval is NaN, and the interval of the calibration fit is returned.
+            # The combined interval is NaN for a single relative position of the bodies; the calibration fit then gives
+            # the interval.
             if not any(map(math.isnan, combined)):
                 return combined
 
@@ -111,11 +112,11 @@ class Interface(InterfaceStrength):
 
         def compute_coefficients(fit: StrengthFit) -> tuple[Floats, Floats]:
             """Return samples of the friction coefficient and its upper limit (infinite if the softer body shears)."""
-            # A parameter that affects both the tests and the prediction has the random samples that the fit has drawn.
+            # A parameter that affects both the tests and the prediction keeps the random samples drawn by the fit.
             scores = {**independent_scores, **fit.scores}
             law = FrictionLaw(fit.mu0, fit.tau0)
             samples = area_factor.input_values({name: ndtr(scores[name]) for name in area_factor.nuisance_names})
-            # An input that is exact for the result is not replaced by the samples of the calibration.
+            # Of the inputs shared with the tests, only those uncertain in the result take their samples from the fit.
             shared_names = shared_inputs.keys() & area_factor.uncertain_inputs.keys()
             samples |= {name: shared_inputs[name].sample(fit) for name in shared_names}
             area, friction_fraction = area_factor.onset_area_and_friction_factors(samples, law)

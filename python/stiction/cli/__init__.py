@@ -46,7 +46,7 @@ def main() -> None:
         status = run_command_line()
     except KeyboardInterrupt:
         status = EXIT_INTERRUPTED
-    # The process ends without waiting for threads that are still computing.
+    # After Ctrl-C, `os._exit` ends the process without waiting for threads that are still computing.
     if status == EXIT_INTERRUPTED:
         with suppress(OSError):
             sys.stdout.flush()
@@ -63,8 +63,8 @@ def _redirect_closed_streams() -> None:
         try:
             os.fstat(number)
         except OSError:
-            # `os.fstat` fails if a standard stream is closed; `os.open` then returns the number of this stream, the
-            # lowest free one.
+            # If a standard stream is closed, `os.fstat` fails. `os.open` then returns the number of this stream: it is
+            # the lowest free number.
             null_device = os.open(os.devnull, os.O_RDWR)
             setattr(sys, name, os.fdopen(null_device, "w" if number else "r"))
 

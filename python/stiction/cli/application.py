@@ -283,7 +283,7 @@ def _option_name(argument: str) -> str:
     """Return the command-line option that corresponds to an argument of a Python function."""
     if argument in _OPTION_NAMES_BY_ARGUMENT:
         return _OPTION_NAMES_BY_ARGUMENT[argument]
-    # The module of the options is imported only here, so that the help needs no numeric package.
+    # The module `pair_options` imports numeric packages, which the help does not need, so it is imported only here.
     pair_options = import_module("stiction.study.pair_options")
     return str(pair_options.format_command_line_name(argument))
 
@@ -314,7 +314,7 @@ def run_command_line() -> int:
             context = getattr(error, "ctx", None)
             command = context.command_path if context else "stiction"
             message = error.format_message()
-            # Pydantic's wording for numbers out of range is replaced by the wording of all other messages.
+            # Pydantic's message about a number out of range is reworded in the style of all other messages.
             message = re.sub(r"^Invalid value for '([^']+)': Input should be ", r"\1 must be ", message)
             message = _add_command_suggestion(message)
             print_message(f"{message}\ntry {command} --help")
@@ -328,7 +328,7 @@ def run_command_line() -> int:
     except ArgumentError as error:
         print_message(error.translated_message(_option_name))
     except (AttributeError, ImportError) as error:
-        # Only the text tells the module apart: an error in a worker process arrives without its object.
+        # Only the text of the error names the module, because an error from a worker process lacks the attribute `obj`.
         is_core_unfit = re.search(r"'stiction\._core['.]", str(error)) is not None
         if isinstance(error, AttributeError) and not is_core_unfit:
             raise

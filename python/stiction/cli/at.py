@@ -172,7 +172,7 @@ def _reject_range(name: str, text: str | None, directory: Path, study: Study) ->
         if text is None or parse_study_input(name, text).is_exact:
             return
     except ValueError:
-        # The text is a list of numbers, or the caller reports a better error.
+        # The text is not a range: it is a list of numbers, or it is invalid, which the caller reports.
         return
     message = f"{{{name}}} must be one or more numbers without ranges, got {{got}}"
     if (law := study.friction.interface) is not None:

@@ -31,7 +31,7 @@ def open_executor(workers: int | None, scheduler: str | None) -> contextlib.Abst
         return thread_pool_executor(workers)
     if workers is not None:
         raise StudyError("--workers must not be combined with --scheduler")
-    # `main` sets this entry to None to prevent the import of Dask, which a cluster needs.
+    # The entry None, which `main` sets to prevent the import of Dask, is removed, because a cluster needs Dask.
     if sys.modules.get("dask") is None:
         sys.modules.pop("dask", None)
     return connect_to_cluster(scheduler)

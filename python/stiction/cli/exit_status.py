@@ -29,7 +29,7 @@ def exit_on_interrupt() -> Iterator[None]:
 
     is_main = threading.current_thread() is threading.main_thread()
     if not is_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        # A custom signal handler stays installed, and a background job continues to ignore SIGINT.
+        # A custom handler of SIGINT stays installed. In a background job, SIGINT remains ignored.
         yield
         return
     try:

@@ -158,7 +158,7 @@ def pair(
     studies = measured_pair.studies
     # The surfaces are checked before any file is written.
     find_body_attributes(studies[0])
-    # The first remark may state the source of the elastic constants, which the result states, too.
+    # The first remark may state the source of the elastic constants; it is left out, because the result states it, too.
     first_remark = 0 if verbose else bool(measured_pair.elasticity.source)
     for remark in measured_pair.remarks[first_remark:]:
         print_message(remark)

@@ -85,7 +85,7 @@ def _summarize(result: Result) -> Summary:
     import xarray
 
     try:
-        # The warning about a large tau0 was already printed when the study was created.
+        # Warnings are suppressed: the warning about a large tau0 was already printed when the study was created.
         with warnings.catch_warnings(action="ignore"):
             return result.summary()
     except StoreError:
@@ -123,7 +123,7 @@ def _write_result_files(result: Result, directory: Path) -> list[str]:
     report_path = directory / "report.html"
     # If the evaluation fails, no error is raised here, because drawing the report raises the same error.
     with contextlib.suppress(ValueError):
-        # Report and figures are drawn in two processes, which both need the quantities at all loads.
+        # The quantities at all loads are evaluated first, because the processes for report and figures both need them.
         result.at_report_loads  # noqa: B018
     with evaluate_report(result, name=directory.resolve().name) as draw_report, draw_report() as get_report:
         # Matplotlib is imported only here, because an earlier import would delay the evaluation.

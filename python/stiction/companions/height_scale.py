@@ -220,7 +220,7 @@ def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[f
             factor = float(directory.name.removeprefix(f"{scaled}-"))
             factor_sums = find_factor_study(result.study, result.path, factor, scaled).open()
         except ValueError:
-            # A subdirectory whose name is not a height factor is skipped.
+            # A subdirectory is skipped if its name is not a height factor.
             continue
         if factor_sums is not None:
             results[factor] = factor_sums

@@ -43,10 +43,10 @@ if TYPE_CHECKING:
     from stiction.study.measured_bodies import ScanCutoffs
 
 CUTOFF_STUDY_DIRECTORY = "resolution"
-# Height maps take much longer than profiles.
+# Members of a cutoff study: fewer for height maps, whose solution takes much longer than that of lines.
 MAX_CUTOFF_STUDY_MAP_MEMBERS = 4
 MAX_CUTOFF_STUDY_LINE_MEMBERS = 16
-# Cutoffs above 0 form a geometric sequence with ratio 2.
+# Maximum number of cutoffs in a cutoff study; each cutoff above 0 is twice the next smaller one.
 MAX_CUTOFFS = 4
 FOUR_DIGIT_ROUNDING_ERROR = 5e-4
 MAX_CUTOFF_TO_SIDE_RATIO = 1 / 30
@@ -151,12 +151,12 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
 class ResolvedRoughness:
     """Roughness of the gap at the wavelengths that the scans resolve, with an extrapolation to shorter wavelengths."""
 
-    shortest: float  # cutoff or two grid spacings, µm
+    shortest: float  # µm, cutoff or two grid spacings
     two_points: float  # two grid spacings, µm
     longest: float  # µm
     gradient: float
     roughness: ScaleDependentRoughness
-    estimate: HurstEstimate | None  # None without a self-affine band
+    estimate: HurstEstimate | None  # None if the spectrum has no self-affine band
 
     @property
     def shortest_octave_fraction(self) -> float:
@@ -242,7 +242,7 @@ class YieldWavelengthEstimate:
     """Cutoff at which the pressure of elastic contacts reaches a hardness, and the friction of yielding contacts."""
 
     hardness: float
-    wavelength: Estimate  # µm, NaN if the pressure stays below the hardness
+    wavelength: Estimate  # µm; NaN if the mean pressure stays below the hardness
     friction: float
 
 

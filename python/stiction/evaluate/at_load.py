@@ -122,7 +122,7 @@ def at_load(
         )  # fmt: skip
     if is_measured and is_requested("load_definition_effect", names):
         other_definition: LoadDefinition = "normal" if load_definition == "elastic" else "elastic"
-        # Like ensemble means, the compared coefficient neglects growth and loss of contact area under shear.
+        # Ensemble means neglect growth and loss of contact area under shear, so the compared coefficient does, too.
         other_result = (
             result
             if load_definition != "mean"

@@ -36,7 +36,7 @@ SAMPLING_INPUT_NAMES = (UPPER_SCANS_INPUT_NAME, LOWER_SCANS_INPUT_NAME, POSITION
 """Names of the uncertainty sources that are not inputs of the study: the choice of scans and of positions."""
 
 INTERFACE_INPUT_NAME = "interface"
-# The uncertainty budget averages the interval widths that remain if an input is fixed at each of these quantiles.
+# The uncertainty budget fixes each input at these quantiles in turn, and averages the remaining interval widths.
 FIXED_INPUT_QUANTILES = (0.1, 0.5, 0.9)
 
 FRICTION_PERCENTILES = np.array([5.0, 50.0, 95.0])
@@ -51,7 +51,7 @@ NORMAL_DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
 MAX_CACHED_AREAS = 64
-# The cache has room for all mu0 and tau0 of a report.
+# Maximum number of cached pressures, enough for all mu0 and tau0 of a report.
 MAX_CACHED_PRESSURES = 256
 
 
@@ -203,7 +203,7 @@ class InputSampler:
         from scipy.special import ndtri
 
         if fixed:
-            # Inputs and errors that are not fixed keep the samples of the case without fixed inputs.
+            # The other inputs and errors keep the samples that they have if no input is fixed.
             samples = self.draw_samples(inputs, names, _NO_FIXED_INPUTS)
             probabilities = {name: np.array([quantile]) for name, quantile in fixed.items() if name in names}
         else:
@@ -260,7 +260,7 @@ class CombinedIntervals:
         self.sampling_estimate: Floats = point["mean_friction"]
         self.names: tuple[str, ...] = ()
         self.inputs: dict[str, UncertainInput] = {name: study_input.estimate for name, study_input in inputs.items()}
-        # Samples of the pair (mu0, tau0) come first in `strengths`, then samples with mu0 = 0 or with tau0 = 0.
+        # `strengths` starts with samples from the fit of mu0 and tau0; those from fits with mu0 = 0 or tau0 = 0 follow.
         self.strengths = strengths
         self.is_tested = any(samples.area_scores is not None for samples in strengths)
         self.area_error = area_error
@@ -268,15 +268,15 @@ class CombinedIntervals:
         self._central = central
         self._scan_mean = scan_mean
         value, lower, upper = self.sampling_estimate.tolist()
-        # Two faces that form a gap have a single relative position.
+        # Two faces given by their gap have one relative position, so the mean over positions has no sampling error.
         if study.is_gap:
             lower = upper = value
         if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
             return
         self.value, self.sampling = value, (lower, upper)
-        # Range of friction coefficients that finer scans could give, computed from the mean coefficient.
+        # Lower and upper limit of the coefficient that finer scans could give, computed from the mean coefficient.
         self.finest: tuple[float, float] | None = None
-        # Range like `finest`, but with an upper limit computed from the upper limit of the interval of the mean.
+        # Same range as `finest`, but its upper limit is computed from the upper limit of the interval of the mean.
         self.bracket: tuple[float, float] | None = None
         is_nonadhesive_half_space = study.uses_half_space and not study.contact.adheres
         if study.contact.hardness is not None and is_nonadhesive_half_space and self.rule == "all":
@@ -510,7 +510,7 @@ class CombinedIntervals:
         together with other coefficients.
         """
         response = self.response
-        # The cache key is rounded to 12 decimals, because further digits depend on the other coefficients in the array.
+        # The key is rounded to 12 decimals: further decimals of an estimate depend on other coefficients in the array.
         estimate = self.sampling_estimate.round(12).tobytes()
         coefficient = response.load, id(response.area), self.rule, self.mu0, self.tau0, estimate
         interval_key = coefficient, self.names, (*fixed.items(),), dwell_time

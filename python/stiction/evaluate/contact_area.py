@@ -166,7 +166,7 @@ class _SolvedAreas:
 
     all_members: Floats
     elastic_members: Floats
-    # NaN if the study needs no elastic areas.
+    # True areas if the bodies were elastic, or NaN if the study needs no elastic areas.
     elastic: Floats
 
 
@@ -194,7 +194,7 @@ def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
             member_counts[index] += mask.sum(axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
         all_members, elastic_members, elastic = area_sums / member_counts
-    # In an unfinished result, all members with a stored elastic area may be missing.
+    # An unfinished result may contain no member with a stored elastic area, so elastic areas are estimated.
     lacks_elastic = ~np.isfinite(elastic).any(axis=1)
     if has_elastic_areas and lacks_elastic.any():
         elastic_members[lacks_elastic] = all_members[lacks_elastic]
