@@ -26,7 +26,7 @@ void require(bool condition, const char* invariant) {
   }
 }
 
-// Most numbers decoded from the fuzzer's bytes are moderate, and some are arbitrary.
+// Most numbers decoded from the fuzzer's bytes lie in [-1, 1). The others have any magnitude or are not finite.
 class Source {
  public:
   Source(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
@@ -109,7 +109,7 @@ void fuzz_contact(Source& source) {
             "no more contacts than points");
     require(!(sums[k].contact_area < 0.0), "no negative area");
     const std::vector<stiction::Contact> table = stiction::contacts(pair, approaches[k], model);
-    // `contacts` searches for candidates up to the present approach, `press` up to the largest approach.
+    // `contacts` considers candidates with a gap up to `approaches[k]`, `press` with a gap up to the largest approach.
     require(static_cast<stiction::Index>(table.size()) == sums[k].contact_count, "contacts and press agree");
     for (const stiction::Contact& contact : table) {
       require(contact.overlap > 0.0 && contact.radii.minor > 0.0, "contacts overlap and are convex together");
@@ -183,7 +183,7 @@ void fuzz_areal(Source& source) {
                 candidate.column + 1 < maps.upper.cols(),
             "minima lie in the map");
   }
-  // Seen from above, the ellipse on a steep wall is so narrow that round-off changes the fraction inside the map.
+  // In plan view, a contact ellipse on a steep wall is so narrow that round-off changes its fraction inside the map.
   const bool steep =
       std::any_of(candidates.all.begin(), candidates.all.end(), [](const stiction::ArealCandidate& candidate) {
         return candidate.normal.z() < 1e-5 || candidate.radii.major > 1e12 * candidate.radii.minor;

@@ -44,7 +44,7 @@ void reject_cylinders(const Law& law) {
   }
 }
 
-// Factors of a contact: -s·n and -c·n of its force, and t_z, -s·t and -c·t of its force and of its area.
+// In the sums, forces are multiplied by -s·n, -c·n, t_z, -s·t and -c·t, and areas by t_z, -s·t and -c·t.
 // s is the sliding direction, c the lateral direction, n the contact normal and t the direction of friction.
 constexpr std::size_t num_factors = 5;
 constexpr std::size_t num_normal_factors = 2;

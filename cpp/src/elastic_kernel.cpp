@@ -20,14 +20,15 @@ namespace {
 
 using std::numbers::pi;
 
-// The columns of a block in one row fill a cache line in single precision.
+// In one row, the complex numbers in the columns of a block fill a cache line in single precision.
 constexpr std::size_t columns_per_block = 8;
 constexpr std::size_t prefetch_distance_in_rows = 16;
-// An area with fewer values than one task is not divided, because threads would then wait for each other.
+// Smaller areas form a single task. If they were divided, threads would mostly wait for each other.
 constexpr std::size_t values_per_task = std::size_t{1} << 15;
 // Sum of the stencil weights, relative to the central weight. Wide contact patches require a small sum.
 constexpr double stencil_sum = 0.04;
-// Lower limit of the compliance, relative to a loaded cell, because zero padding could make the compliance negative.
+// Lower limit of the compliance at each wavenumber, as a fraction of the compliance of a single loaded cell.
+// Without this limit, zero padding could make the compliance negative at some wavenumbers.
 constexpr double min_compliance_ratio = 1e-3;
 constexpr std::size_t stencil_points = 32;
 
@@ -459,7 +460,7 @@ std::vector<double> stiffness(const TransformShape& shape, const Grid& grid, dou
   return factors;
 }
 
-// Displacement [µm] of the origin due to 1 GPa between the origin and x or, on areas, the corner (x, y).
+// Displacement [µm] of the origin due to 1 GPa on the segment (0, x) or, on areas, on the rectangle (0, x) by (0, y).
 double corner_integral(double x, double effective_modulus) {
   // Integral of -2/(π E*) ln|x|. Another unit of length would shift all displacements by the same amount.
   return -2 / (pi * effective_modulus) * x * (std::log(std::abs(x)) - 1.0);
@@ -579,7 +580,8 @@ void check_grid(const char* name, const Grid& grid, double effective_modulus) {
   }
 }
 
-// On a free grid, all coefficients [µm/GPa] are positive. The coefficient of uniform pressure may have any value.
+// On a free grid, each Fourier coefficient of the returned compliance [µm/GPa] is positive.
+// The coefficient of uniform pressure is arbitrary: it only shifts all displacements by the same amount.
 std::vector<double> invertible_compliance(const TransformShape& shape, const Grid& grid, double effective_modulus,
                                           FftPlans& plans, const ThreadPool& pool) {
   Scratch scratch;
@@ -643,7 +645,7 @@ struct ElasticKernel::Transforms {
   FftPlans plans;
   std::unique_ptr<const Filter<double>> double_displacement;
   std::unique_ptr<const Filter<float>> single_displacement;
-  // Filters by foundation stiffness, which is 0 without a foundation.
+  // Spectral filters. The key is the stiffness of the foundation [GPa/µm], or 0 without a foundation.
   std::map<double, const Filter<float>> foundation_filters;
 
   const Filter<float>* foundation_filter(const Grid& grid, double foundation) {

@@ -9,7 +9,7 @@ namespace stiction {
 namespace {
 
 // Complete elliptic integrals: K = π / (2 · mean), where `mean` is the arithmetic-geometric mean of 1 and k.
-// `ratio` is (K - E) / (e² K), which tends to 1/2 for k -> 1.
+// `ratio` is (K - E) / (e² K), where e² = 1 - k² and k is the axis ratio. For a circle (k -> 1), `ratio` tends to 1/2.
 // Source: Abramowitz & Stegun (1964), section 17.6.
 struct Integrals {
   double mean;
@@ -41,7 +41,7 @@ double log_slope(double k, double ratio) {
   const double e2 = (1.0 - k) * (1.0 + k);
   const double complement = 1.0 - ratio;
   if (e2 < 1e-4) {
-    // The limit for e -> 0 has an error of about e², which hardly changes the number of iterations.
+    // The limit of the slope for e -> 0 has an error of about e², which hardly changes the number of Newton iterations.
     return 1.5;
   }
   return 2.0 + ((k * k * ratio - complement) / e2 + ratio * complement) / (ratio * complement);

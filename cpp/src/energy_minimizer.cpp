@@ -11,19 +11,19 @@
 namespace stiction {
 namespace {
 
-// The change of a small gap per step is limited, as a multiple of the attraction range, to skip no equilibrium.
+// Largest change of a small gap per step, as a multiple of the attraction range. Larger steps may skip equilibria.
 constexpr double max_change_of_small_gap = 2.0;
 constexpr double small_gap = 5.0;  // as a multiple of the attraction range
-// The line search neglects the attraction beyond this gap, a multiple of the attraction range.
+// The line search neglects the attraction at gaps above this multiple of the attraction range.
 constexpr double negligible_attraction_gap = 30.0;
-// The first trial step, a fraction of a full step, is doubled until the energy increases, to find the first minimum.
+// The first trial step is this fraction of a full step. It is doubled until the energy increases.
 constexpr double initial_step_fraction = 0.125;
 // The line search ends once the slope of the energy falls below this fraction of the initial slope.
 constexpr double max_slope_ratio = 0.05;
 constexpr double max_step_length = 1e4;
 constexpr int max_line_search_steps = 12;
 constexpr double min_step_bracket_fraction = 0.02;  // smallest distance of a trial step from the ends of its bracket
-// Round-off of the net pressure accumulates in single precision.
+// The net pressure is recomputed after this number of steps, because round-off accumulates in single precision.
 constexpr std::int64_t steps_per_recomputation = 20;
 constexpr std::int64_t max_failed_descents = 3;
 // The task size is fixed, so that sums do not depend on the number of threads.
@@ -419,7 +419,7 @@ EnergyMinimizer::Residual EnergyMinimizer::compute_residual(const MinimizationSt
   return residual;
 }
 
-// The direction is conjugate to the last one unless it would increase the energy.
+// The new direction is conjugate to the previous direction, unless a step along it would increase the energy.
 // Returns the scalar product of the residual and the preconditioned residual.
 double EnergyMinimizer::compute_conjugate_direction(MinimizationState& state, double approach_residual,
                                                     const ThreadPool& pool) {
@@ -535,7 +535,7 @@ void EnergyMinimizer::change_state(MinimizationState& state, double step, double
   }
 }
 
-// On free grids, displacements of points around the grid first follow from the last net pressure.
+// On free grids, the displacements of points around the grid are first computed from the stored net pressure.
 void EnergyMinimizer::recompute_net_pressure(MinimizationState& state, double load, const ThreadPool& pool) {
   if (!grid_.periodic) {
     kernel_.displacement(state.net_pressure, displacement_, workspace_, pool);

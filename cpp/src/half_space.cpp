@@ -28,15 +28,15 @@ namespace {
 
 constexpr std::size_t min_points_per_axis = 16;
 constexpr std::size_t max_influence_points = std::size_t{1} << 20;
-// The discretisation error of solutions on coarser grids is larger than this tolerance.
+// Tolerance of solutions on coarser grids, whose discretisation error is larger than the tolerance.
 constexpr double coarse_tolerance = 3e-3;
-// On an area, the solution at another load is used as a start up to this ratio of the two loads.
+// On an area, the solver starts from the pressures at another load if (larger load) / (smaller load) is at most this.
 constexpr double max_load_ratio = 1.3;
 constexpr std::int64_t max_iterations = 2000;
 // Coarser grids may stop early, because their solutions are only starting points.
 constexpr std::int64_t max_coarse_iterations = 100;
 constexpr int max_exact_evaluations = 20;
-// Relative difference between displacements that should be equal; the compliance then has an error of about 1e-7.
+// Relative tolerance of displacements that should be equal. The compliance then has a relative error of about 1e-7.
 constexpr double compliance_tolerance = 1e-3;
 // Factor of `compliance_tolerance` on free lines, where the compliance is not an energy, so that its error is larger.
 constexpr double difference_tolerance = 0.03;
@@ -47,7 +47,7 @@ constexpr std::size_t max_dense_points = 1024;
 // `max_selected_points` limits the matrix to 16 MiB.
 constexpr std::size_t max_matrix_ratio = 16;
 constexpr std::size_t max_selected_points = 2048;
-// Points are selected whose gap is below this multiple of the approach, both measured from the lowest gap of the grid.
+// Points are selected if their gap is below this multiple of the approach, both measured from the smallest gap.
 constexpr double selection_approach_ratio = 1.1;
 constexpr std::size_t points_per_task = std::size_t{1} << 16;
 // Displacements count as equal up to this fraction of the displacement of a single loaded cell.
@@ -158,8 +158,8 @@ std::vector<double> coarsen_gap(Values gap, const Grid& from, const Grid& to, st
 }
 
 // Near the edge of a contact, the squared pressure is proportional to the distance from the edge.
-// If `left` or `right` is out of contact, the squared pressure is extrapolated linearly from two points in contact.
-// The extrapolated pressure vanishes at the point out of contact or closer to the contact.
+// If one of two points is out of contact, the squared pressure is extrapolated linearly from two points in contact.
+// The extrapolated pressure falls to 0 at the point that is out of contact, or before this point.
 STICTION_MULTIVERSION
 void interpolate_pressure(const double* before, const double* left, const double* right, const double* after,
                           double fraction, std::size_t size, double* result) {
@@ -232,7 +232,7 @@ bool is_dense_kernel_faster(std::size_t num_points, const Grid& grid) {
 
 // The starting pressure is scaled to the given mean [GPa]. If `gap` is empty, the gap is 0 at all points.
 // On a free area, a point whose initial gap exceeds the approach cannot come into contact.
-// At all other points, the potential is replaced by its lower bound, the initial gap.
+// The potential of points that cannot come into contact is replaced by its lower bound, the initial gap.
 // `influence` contains the displacements due to a pressure on the first grid point, or is empty to use all points.
 class LevelSolver {
  public:
@@ -276,7 +276,7 @@ class LevelSolver {
   ProjectedCgSolver& cg() { return cg_; }
   // True if the potential was recomputed exactly and no step was taken since then.
   bool is_exact() const { return is_exact_; }
-  // True if the potential is known wherever the pressure bound is above 0. Each point must have its own bound.
+  // True if the potential is known wherever the pressure bound is above 0. Call only if each point has its own bound.
   bool has_all_potentials() const { return !selected_points_ || selects_all_points_; }
 
   double update_free_points() {
@@ -289,7 +289,7 @@ class LevelSolver {
     return error;
   }
 
-  // Single precision is enough for an estimate, or if the potential is recomputed later.
+  // Single precision is enough if the potential is only an estimate, or is recomputed later.
   void recompute_potential(bool exact) {
     const Values pressure = cg_.pressure();
     std::vector<double> potential = cg_.take_potential();
@@ -343,7 +343,7 @@ class LevelSolver {
  private:
   double bound_at(std::size_t i) const { return bound_[bound_.size() == 1 ? 0 : i]; }
 
-  // The search stops if a dense matrix of the points would be too slow.
+  // The search stops when so many points are found that a dense matrix is slower than transforms of the grid.
   template <class Condition>
   std::vector<std::size_t> find_points(Condition condition) const {
     std::vector<std::size_t> points;
@@ -355,8 +355,8 @@ class LevelSolver {
     return points;
   }
 
-  // Estimate the approach [µm] as the mean potential of points with a pressure between bounds.
-  // Returns infinity if there is no such point, or if a dense matrix of the points would be too slow.
+  // Estimate the approach [µm] as the mean potential of points whose pressure is above 0 and below its bound.
+  // Returns infinity if there is no such point, or if a dense matrix of the points under pressure would be too slow.
   double estimate_approach() const {
     const Values pressure = cg_.pressure();
     const std::vector<std::size_t> loaded = find_points([&](std::size_t i) { return pressure[i] > 0.0; });
@@ -401,7 +401,7 @@ class LevelSolver {
   ProjectedCgSolver cg_;
   std::vector<float> response_;
   std::vector<float> preconditioned_;  // preconditioned residual on lines
-  // Rows of the grid with a pressure bound above 0, the only rows in which potentials are computed.
+  // Indices of grid rows with a pressure bound above 0. Potentials are computed only in these rows.
   // `contact_rows_` is empty if all points have the same bound.
   std::vector<std::size_t> contact_rows_;
   std::optional<Preconditioner> preconditioner_;
@@ -557,7 +557,7 @@ HalfSpaceSolver::HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrid
   if (!(tolerance > 0.0)) {
     throw std::invalid_argument("HalfSpaceSolver: tolerance must be above 0");
   }
-  // Coarser grids have no separate pressure bounds of points.
+  // Coarser grids are used only if all points have the same pressure bound.
   const auto memory = grids_->borrow_memory();
   for (std::size_t level = 1; level < levels.size() && bound_.size() == 1; ++level) {
     coarse_gaps_.push_back(coarsen_gap(this->gap(level - 1), levels[level - 1], levels[level], memory->cg.potential));
@@ -580,7 +580,7 @@ double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
     std::transform(bound_.begin(), bound_.end(), values.begin(), [&](double bound) { return bound / mean; });
     grids_->kernels(0, pool).points->displacement(values, values, memory->workspace, pool);
     const double deviation = standard_deviation(values);
-    // If the bounds displace all points equally, `deviation` is only round-off.
+    // If pressures proportional to the bounds displace all points equally, `deviation` is only round-off.
     if (!grid.periodic) {
       return std::max(deviation, grids_->uniform_pressure_deviation());
     }
@@ -596,7 +596,8 @@ double HalfSpaceSolver::scale(double mean_pressure) const {
   return std::max(gap_scale_, displacement_scale_ * mean_pressure);
 }
 
-// The alternative start, a solution on a coarser grid, requires a single bound for all points, and is better on lines.
+// The alternative to starting from `near` is a start from a coarser grid, which requires one bound for all points.
+// On line grids with one bound for all points, the solver always starts from a coarser grid.
 bool HalfSpaceSolver::is_good_start(Values near, double mean_pressure) const {
   if (near.empty()) {
     return false;
@@ -636,7 +637,7 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
                                                const HalfSpaceProgress& progress) const {
   const Grid& grid = grids_->levels()[0];
   const double full_contact = grid.periodic ? mean_value(gap_) : std::numeric_limits<double>::infinity();
-  // E* approach / length, the mean pressure of a contact as large as the grid, is an upper limit for rough surfaces.
+  // For rough surfaces, the mean pressure is at most E* approach / length, that of a contact as large as the grid.
   const double along_x = grid.spacing_x * static_cast<double>(grid.columns);
   const double length = grid.line ? along_x : std::max(along_x, grid.spacing_y * static_cast<double>(grid.rows));
   double pressure = near.empty() ? 0.1 * grids_->effective_modulus() * approach / length : mean_value(near);
@@ -784,7 +785,7 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
   }
   const double mean = 1.0 / static_cast<double>(in_contact.size());
   LevelSolver solver(kernels, {}, std::move(start), mean, bound, {}, *memory, pool);
-  // Single precision resolves 1e-7 of a displacement, too little for small differences on lines.
+  // On lines, single precision (1e-7 of a displacement) cannot resolve the small differences between displacements.
   solver.recompute_potential(grid.line);
   for (std::int64_t i = 0; i < max_iterations; ++i) {
     const double error = solver.update_free_points();

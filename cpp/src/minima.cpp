@@ -14,12 +14,12 @@ namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-// A minimum may lie outside its cell by `max_overshoot` of its side, so that round-off loses no minimum between cells.
+// A minimum may lie `max_overshoot` of a cell side outside its cell, so that no minimum between two cells is lost.
 // Two minima closer than `merge_distance` are one minimum.
 constexpr double max_overshoot = 1e-8;
 constexpr double merge_distance = 1e-6;
 
-// The spline in a cell lies within the range of its 16 coefficients, its derivatives within that of their differences.
+// In a cell, the spline is in the range of its 16 coefficients, and derivatives are in the range of their differences.
 // A cell can have a minimum only if a coefficient is at most `max_value`, and both ranges of derivatives contain zero.
 
 STICTION_INLINE double smaller(double a, double b) { return a < b ? a : b; }
@@ -167,7 +167,7 @@ STICTION_INLINE void classify(const PackNet<Width>& net, double max_value, const
 
 template <class P>
 STICTION_INLINE void to_bernstein(P& c0, P& c1, P& c2, P& c3) {
-  // Divisions would take most of the run time.
+  // Multiplying by reciprocals avoids divisions, which would take most of the run time.
   constexpr double third = 1.0 / 3.0;
   constexpr double sixth = 1.0 / 6.0;
   const P a = sixth * (c0 + 4.0 * c1 + c2);
@@ -285,7 +285,7 @@ class Cell {
   Cell(const MatrixView& coefficients, Index row, Index column, double max_value)
       : coefficients_(coefficients), row_(row), column_(column), max_value_(max_value) {}
 
-  // Visited minima have no values and derivatives yet, and may be slightly outside the cell.
+  // Minima passed to `visit` have no values and derivatives yet, and may lie slightly outside the cell.
   template <class Visit>
   void search(const Net& net, double round_off, CellClass cell_class, const Visit& visit) const {
     search_part(net, 0.0, 0.0, 1.0, round_off, cell_class, visit);

@@ -168,7 +168,8 @@ PatchSums patch_sums(std::span<const ContactView> contacts, Values slope_y, Valu
         const double area = contact.contact_fraction[i] * cell_area;
         const double rise = slope_x[point] * x + along_y(point) * y;  // -q s·n
         const double across = slope_x[point] * y - along_y(point) * x;
-        // level = q sqrt(1 - (s·n)²). With the tangent t = (-s + (s·n) n) q/level, q F t_z equals -F rise/level.
+        // With q = sqrt(1 + slope²), `level` is q sqrt(1 - (s·n)²). The tangent is t = (-s + (s·n) n) q/level.
+        // A force q F along t has the vertical component q F t_z = -F rise/level.
         const double level = std::sqrt(1 + across * across);
         const double upward = -rise / level;
         sums.leaning[at] += rise * force;

@@ -10,10 +10,10 @@
 namespace stiction {
 namespace {
 
-// Limits of the conjugate-gradient steps for the blocks: number, and squared relative residual.
+// Conjugate gradients on the blocks end after this number of steps, or at this squared relative residual.
 constexpr int max_block_steps = 5;
 constexpr double block_tolerance = 1e-4;
-// Relative change of the number of free points at which the foundation stiffness is computed again.
+// The foundation stiffness is computed again if the number of free points has changed by more than this fraction.
 constexpr double max_foundation_change = 0.02;
 constexpr std::size_t points_per_block_task = std::size_t{1} << 16;
 constexpr std::size_t max_tasks = 8;

@@ -36,7 +36,7 @@ void add_scaled(const float* response, std::size_t size, double factor, double* 
   }
 }
 
-// A point is free if its pressure lies between 0 and its bound, or if the gap drives the pressure off such a limit.
+// A point is free if 0 < pressure < bound, or if the gap at the point drives the pressure away from 0 or the bound.
 // Points without pressure whose gap is NaN count as free. Returns whether the block contains a free point.
 STICTION_MULTIVERSION
 bool mark_free(const double* pressure, const double* potential, const double* bound, std::size_t size, double approach,
@@ -385,8 +385,8 @@ void ProjectedCgSolver::find_free_points(std::size_t first, std::size_t last, st
   }
 }
 
-// At the approach, points under pressure must have no gap, and points without pressure must not overlap.
-// If no approach meets both conditions, the mean of their limits frees some of the points.
+// Return an approach at which no point under pressure has a gap, and no point without pressure overlaps.
+// If there is no such approach, the returned value is the mean of the limits of the approach by both conditions.
 double ProjectedCgSolver::approach_from_bounds() const {
   double max_loaded = -std::numeric_limits<double>::infinity();
   double min_unloaded = std::numeric_limits<double>::infinity();

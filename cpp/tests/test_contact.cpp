@@ -55,7 +55,7 @@ TEST_CASE("press and contacts: agree for a single contact") {
     const double opposing = contact.opposing ? 1.0 : 0.0;
     CHECK(sums.normal_frictional == opposing * contact.force * contact.tangent.z());
     CHECK(sums.tangential_adhesive == opposing * -shear * contact.area * contact.tangent.x());
-    // The right flank of the upper arc touches the left flank of the lower arc, which opposes a motion along -x.
+    // The right flank of the upper arc touches the left flank of the lower arc: the contact opposes a motion along +x.
     CHECK(contact.opposing == (shear * contact.normal.x() < 0.0));
     CHECK(contact.normal.dot(contact.tangent) == doctest::Approx(0.0));
   }

@@ -133,7 +133,7 @@ TEST_CASE("HalfSpaceGrids: pressures on a free area displace all points in the d
   }
 }
 
-// At all but the highest loads, the solver computes displacements only at the few points that can come into contact.
+// Except at the highest loads, the solver computes displacements only at the few points that can come into contact.
 TEST_CASE("HalfSpaceSolver: satisfies the contact conditions on the whole grid if few points can come into contact") {
   const Grid grid{96, 80, 0.05, 0.06, false, false};
   const auto grids = std::make_shared<const HalfSpaceGrids>(grid, modulus);
@@ -189,7 +189,7 @@ TEST_CASE("HalfSpaceSolver: finds points that come into contact only at a larger
 
 TEST_CASE("HalfSpaceSolver: edges of contacts that are extrapolated from coarser grids save iterations") {
   constexpr std::array loads{0.005, 0.01, 0.03, 0.05, 0.1};
-  // With linear interpolation at contact edges, the three grids would need 57, 59 and 60 iterations for all loads.
+  // If pressures at contact edges were interpolated linearly, the grids would need 57, 59 and 60 iterations in total.
   constexpr std::int64_t max_iterations = 54;
   for (const Grid& grid :
        {Grid{256, 256, 1.0 / 256, 1.0 / 256, false, true}, Grid{255, 240, 1.0 / 255, 1.0 / 240, false, true},

@@ -21,7 +21,7 @@ Matrix random_phases(Index directions, Index frequencies) {
   return phases;
 }
 
-// Eq. 1 evaluated term by term, with phases in extended precision.
+// Sum of Eq. 1 of Hanaor, Gan & Einav (2016), evaluated term by term, with phases in extended precision.
 double direct_sum(const Matrix& phases, const std::vector<double>& weights, const HarmonicGrid& grid, Index point) {
   constexpr long double pi = std::numbers::pi_v<long double>;
   long double sum = 0.0L;

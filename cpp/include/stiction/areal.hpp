@@ -75,7 +75,7 @@ struct ArealCandidates {
 /// Two heights count as equal if they differ by less than this fraction of the largest height.
 inline constexpr double round_off_fraction = 0x1p-46;
 
-/// A slope or curvature with respect to the grid index [µm] counts as zero up to this fraction of the range of the gap.
+/// Derivatives with respect to grid indices [µm] count as zero up to this fraction of (largest gap - smallest gap).
 inline constexpr double level_fraction = 0x1p-26;
 
 /// Find all contact candidates whose gap is at most `deepest` [µm] >= 0.

@@ -42,7 +42,7 @@ struct Candidate {
 };
 
 /// Call `visit(candidate)` for every candidate whose gap is at most `deepest` [µm] >= 0, from left to right.
-/// With Detection::cell, candidates that touch within their cells at no approach up to `deepest` may be left out.
+/// Detection::cell may omit candidates whose contact centre is outside their cell at every approach up to `deepest`.
 /// Throws std::invalid_argument unless both profiles have equally many finite heights (>= 4) and a positive spacing.
 void for_each_candidate(const ProfilePair& pair, double deepest, Detection detection, Curvature curvature,
                         const std::function<void(const Candidate&)>& visit,

@@ -13,7 +13,7 @@
 
 namespace stiction {
 
-/// Smallest gap on the grid and in blocks of points. A block whose smallest gap exceeds the approach has no contact.
+/// Smallest gaps on the whole grid and in each block of points. Blocks whose gaps exceed the approach have no contact.
 struct Prefilter {
   static constexpr std::size_t block = 64;
 
@@ -35,7 +35,7 @@ struct IndexRange {
   std::size_t end;
 };
 
-/// Return increasing index ranges that contain all grid points whose gap is at most `max_gap` [µm] at first contact.
+/// Return index ranges, from left to right, with all grid points whose gap at zero approach is at most `max_gap` [µm].
 std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap);
 
 /// Return an upper bound [µm] on the distance by which the spline of the gap dips below the smallest gap on the grid.
@@ -83,7 +83,7 @@ inline std::optional<double> gap_minimum(double slope, double curvature, double 
   // The sign of the curvature selects the form of the quadratic formula that avoids cancellation.
   const double t = curvature >= 0.0 ? -2.0 * slope / (curvature + root) : (root - curvature) / (2.0 * half_rate);
   if (slope < 0.0 && next_slope > 0.0) {
-    // If the slope changes sign from - to +, the interval contains a minimum, and only round-off can place t outside.
+    // If the slope changes sign from - to +, the interval contains a minimum, and t lies outside only by round-off.
     return std::clamp(t, 0.0, spacing);
   }
   return t > 0.0 && t < spacing ? std::optional(t) : std::nullopt;

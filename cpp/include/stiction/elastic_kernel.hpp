@@ -76,7 +76,7 @@ class ElasticKernel {
                                    Workspace& workspace, const ThreadPool& pool = ThreadPool()) const;
 
   /// Return the nine weights, row by row, of E*|k|/2 truncated to 3 x 3 points of an area.
-  /// The weight of the central point makes the sum of all weights a small positive number.
+  /// The weight of the central point is chosen so that the sum of all nine weights is a small positive number.
   const std::array<double, 9>& stencil() const { return stencil_; }
 
  private:
@@ -89,8 +89,8 @@ class ElasticKernel {
 /// Pressures [GPa] that displace the surface of a half-space by given amounts [µm]: the inverse of ElasticKernel.
 ///
 /// A free grid is extended by zero padding to a periodic grid, whose first rows and columns are the original grid.
-/// Without net pressure outside the original grid, its displacements are those of ElasticKernel plus a constant.
-/// A periodic grid is not extended, and a uniform displacement of it requires no pressure.
+/// If the pressure outside the original grid is 0, the displacements in the grid are those of ElasticKernel + constant.
+/// A periodic grid needs no zero padding. A uniform displacement of a periodic surface requires no pressure.
 class StiffnessKernel {
  public:
   StiffnessKernel(const Grid& grid, double effective_modulus, const ThreadPool& pool = ThreadPool());
@@ -112,7 +112,7 @@ class StiffnessKernel {
   void displacement(Values pressures, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 
-  /// Compute displacements with a finite compliance for uniform pressure: the largest compliance at any wavelength.
+  /// Compute displacements [µm]. The compliance for uniform pressure is set to the largest one at any wavelength.
   void precondition(std::span<const float> pressures, std::span<float> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 

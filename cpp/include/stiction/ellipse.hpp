@@ -4,7 +4,7 @@
 namespace stiction {
 
 /// For any overlap d [µm] > 0 and E* [GPa], the semi-axes are a = sqrt(major d) and b = sqrt(minor d).
-/// The contact area is π sqrt(major minor) d, and the force is 4/3 E* sqrt(force_radius) d^(3/2).
+/// The contact area is π a b, and the force at the overlap d is 4/3 E* sqrt(`force_radius`) d^(3/2).
 /// For two spheres, `major`, `minor` and `force_radius` equal the effective radius R.
 struct Ellipse {
   double major;         ///< a²/d [µm]

@@ -22,7 +22,7 @@ struct ForceArea {
   double area;   ///< contact area [µm²]
 };
 
-/// The parameter must be finite and between `low` and `high`, which are valid themselves only if `inclusive` is true.
+/// The parameter must be finite and between `low` and `high`. It may equal `low` or `high` only if `inclusive` is true.
 template <class L>
 struct Parameter {
   std::string_view name;
@@ -49,7 +49,7 @@ struct HertzSphere {
 /// Two elastic parallel cylinders of width w: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2).
 /// The overlap of the undeformed circles is set equal to a²/R, where 2a is the contact width.
 /// For a given half-width a << R, the force is exact: Johnson, Contact Mechanics (1985), section 4.2(c).
-/// The overlap is not the approach of points far from the contact, which has no limit in a line contact.
+/// The overlap is not the approach of distant points, which grows indefinitely with their distance from a line contact.
 struct HertzCylinder {
   double effective_modulus;  ///< E* [GPa] > 0
   double width;              ///< width w [µm] > 0 along the cylinders

@@ -32,7 +32,7 @@ struct CellRange {
 /// A minimum within 1e-6 of the boundary between two cells belongs to the right or to the upper cell.
 /// A minimum found at the edge of the range of cells may belong to a neighbouring cell outside the range.
 ///
-/// Each cell is divided, down to 1/64 of its side, until Bernstein coefficients prove parts convex or without minimum.
+/// A cell is divided, down to 1/64 of its side, until Bernstein coefficients prove a part convex or without a minimum.
 /// Newton's method finds the minimum, if there is one, of each part that is convex or still undecided.
 std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& range, double max_value,
                             const CancellationCheck& check_cancellation = {});

@@ -24,7 +24,7 @@ struct Amplitudes {
 };
 
 /// Compute contact sums for each pair, amplitude, model and approach, in this order. The heights are overwritten.
-/// For all amplitudes but the last, profiles are scaled into the two rows of `scratch`; for the last, in place.
+/// Profiles scaled to the last amplitude overwrite the heights. Other scaled profiles are written to `scratch`.
 /// Throws the same exceptions as `press`. Also throws std::invalid_argument if shapes differ or a profile is flat.
 std::vector<Sums> press_profile_batches(ProfileBatch upper, ProfileBatch lower, double spacing,
                                         const Amplitudes& amplitudes, Values approaches,

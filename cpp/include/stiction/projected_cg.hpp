@@ -42,12 +42,13 @@ class ProjectedCgSolver {
 
   /// Start from given pressures >= 0, which are first changed so that they satisfy the bounds and the total load.
   /// `line` is true if the points form a line, so that neighbours in memory are neighbours on the grid.
-  /// `bound` contains one bound, which may be infinite, or a bound for each point, which must outlive the solver.
+  /// `bound` [GPa] contains one pressure bound for all points, which may be infinite, or one bound for each point.
+  /// An array with one bound for each point must outlive the solver.
   /// Throws std::invalid_argument for 2³¹ points or more, negative bounds, or a total load outside (0, sum of bounds).
   ProjectedCgSolver(std::vector<double> pressure, double total, Values bound, bool line, Arrays arrays = {});
 
   /// Determine the approach and the free points. Returns the largest |potential - approach| [µm] over the free points.
-  /// Gaps of points under pressure, and overlaps of points below their pressure bounds, are at most this length.
+  /// No gap of a point under pressure, and no overlap of a point below its bound, is larger than the returned length.
   /// Returns infinity if potentials are not finite. Throws std::logic_error before the first `restart`.
   double update_free_points(const ThreadPool& pool = ThreadPool());
 
@@ -75,7 +76,7 @@ class ProjectedCgSolver {
   /// Restart with steepest descent from a recomputed potential.
   void restart(std::vector<double> potential);
 
-  /// After `update_free_points`, return Σ pressure · potential [GPa µm].
+  /// Return Σ pressure · potential [GPa µm] over all points of the grid. Call `update_free_points` before.
   /// If the initial gap is zero, the sum is twice the elastic energy divided by the area of a cell.
   double pressure_dot_potential() const;
 
@@ -113,7 +114,7 @@ class ProjectedCgSolver {
   double total_;
   std::array<double, block> uniform_bound_{};  // copies of the bound, if all points have the same bound
   Values bounds_;                              // bound of each point; empty if all points have the same bound
-  // Mark (1) of each block that contains a pressure bound above 0. Potentials are updated only in marked blocks.
+  // 1 for each block of points with a pressure bound above 0, else 0. Potentials are updated only in blocks marked 1.
   // `can_touch_` is empty if all points have the same bound.
   std::vector<std::uint8_t> can_touch_;
   bool line_;
@@ -132,7 +133,7 @@ class ProjectedCgSolver {
   double mean_potential_ = 0.0;
   double step_length_ = 1.0;
   double descent_length_ = 1.0;
-  // Length of the last steepest-descent step before the last preconditioned step.
+  // Value of `descent_length_` before the last step. It may be restored if a preconditioned step fails.
   double previous_descent_length_ = 1.0;
   int failed_steps_ = 0;  // number of failed preconditioned steps since the last successful step
   int descent_steps_left_ = 0;
