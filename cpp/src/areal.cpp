@@ -86,7 +86,7 @@ void subtract(const double* upper, const double* lower, Index size, double offse
   }
 }
 
-// A grid minimum is a point whose gap is at most `deepest` and, except for round-off, at most that of 8 neighbours.
+// A grid minimum has a gap of at most `deepest` and, except for round-off, no neighbour (of 8) with a smaller gap.
 STICTION_MULTIVERSION
 void mark_grid_minima(const double* above, const double* at, const double* below, Index size, double deepest,
                       double round_off, unsigned char* marks) {

@@ -8,7 +8,8 @@
 namespace stiction {
 namespace {
 
-// Two ellipses are separate if t (1 - t) rᵀ [(1 - t) A + t B]⁻¹ r > 1 for some t in (0, 1), r between their centres.
+// Let r be the vector between the centres of two ellipses, and A and B the matrices of the ellipses.
+// The ellipses are separate if t (1 - t) rᵀ [(1 - t) A + t B]⁻¹ r > 1 for some t in (0, 1).
 // Source: Perram & Wertheim, J. Comput. Phys. 58 (1985) 409.
 // Multiplied by det[(1 - t) A + t B], the condition states that a cubic polynomial is positive at its maximum.
 bool ellipses_overlap(const ProjectedEllipse& a, double a_size, const ProjectedEllipse& b, double b_size,

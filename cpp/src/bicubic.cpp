@@ -117,7 +117,7 @@ void scaled_differences(const double* before, const double* after, Index size, d
   }
 }
 
-// A strip of this number of columns stays in the cache during elimination and back substitution.
+// A strip of this many columns stays in the cache during elimination and back substitution.
 constexpr Index columns_per_strip = 64;
 
 struct Basis {

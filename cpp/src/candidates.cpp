@@ -173,7 +173,7 @@ void for_each_candidate(const ProfilePair& pair, const Prefilter& prefilter, dou
   const bool by_cell = detection == Detection::cell;
   const bool two_convex_spheres = curvature == Curvature::convex && !upper.is_flat() && !lower.is_flat();
 
-  // In gap-minimum detection, the gap may dip below both adjacent grid points.
+  // In gap-minimum detection, the spline of the gap may dip below the gaps at both adjacent grid points.
   const double dip = by_cell ? 0.0 : max_dip(pair.upper, pair.lower);
   constexpr std::size_t chunk_size = 254;
   std::array<unsigned char, chunk_size> marks;

@@ -59,7 +59,7 @@ std::vector<Real> DenseKernel::matrix() const {
 template std::vector<double> DenseKernel::matrix<double>() const;
 template std::vector<float> DenseKernel::matrix<float>() const;
 
-// The product with the symmetric matrix is a sum of rows, from which rows of points without pressure are left out.
+// As the matrix is symmetric, displacements are the sum of (pressure · row). Rows with zero pressure are skipped.
 template <class Real, class Row>
 void DenseKernel::add_rows(std::span<const Real> pressure, Row row, std::span<Real> displacements) const {
   std::vector<Real> sums(points_.size(), Real{0});

@@ -149,7 +149,8 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
     const double upper_slope = derivatives.upper_slope[i];
     const double lower_slope = derivatives.lower_slope[i];
     const double gap = (upper[i] - lower[i]) - zero;
-    // With scale = ±q²/f'', the osculating sphere has the radius scale·q, and the offset scale·(f', 1) of its centre.
+    // With q² = 1 + f'², the centre of the osculating sphere is offset by (-f', 1) q²/f'' from the point on the profile.
+    // The radius is q·scale, where `scale` is q²/f'' for the upper profile and -q²/f'' for the lower profile.
     const double upper_q2 = 1.0 + upper_slope * upper_slope;
     const double lower_q2 = 1.0 + lower_slope * lower_slope;
     const double upper_scale = upper_q2 / derivatives.upper_curvature[i];
@@ -165,9 +166,9 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
     const double half_excess = 0.5 * (upper_radius - lower_radius);
     const double middle = lower_x + 0.5 * separation_x;
     const double limit = half_cell + round_off * (std::abs(lower_x) + std::abs(separation_x) + std::abs(half_excess));
-    // The contact centre middle - half_excess · separation_x / distance is compared with the cell edges.
-    // Both sides are multiplied by the distance of the sphere centres, which avoids a division.
-    // Points whose derivatives are NaN are marked, so that the exact rules decide about these points.
+    // The contact centre, middle - half_excess · separation_x / distance, is compared with the cell edges.
+    // Both sides of the comparison are multiplied by the distance of the sphere centres, which avoids a division.
+    // A point with a NaN derivative is marked, so that the exact rules decide whether it can be in contact.
     const double shift = half_excess * separation_x;
     const double left_edge = middle - limit;
     const double right_edge = middle + limit;

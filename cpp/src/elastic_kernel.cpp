@@ -80,7 +80,7 @@ STICTION_INLINE void multiply_mirrored(Real* __restrict first, Real* __restrict 
 
 constexpr std::size_t wavenumbers_per_block = 64;
 
-// `factors` contains the factors for wavenumbers along y up to half of `size`: coefficients i and size - i share one.
+// `factors` contains the factors for wavenumbers i along y up to `size` / 2. Coefficient size - i has the same factor.
 // Coefficient i of column k is combined with coefficient size - i of column m - k, with θ = πk/m.
 template <class Real>
 STICTION_INLINE void mix_columns_kernel(Real* __restrict first, Real* __restrict second, const Real* factors,
@@ -763,7 +763,8 @@ void StiffnessKernel::precondition(std::span<const float> pressures, std::span<f
 }
 
 double uniform_pressure_deviation(const Grid& grid, double effective_modulus) {
-  // By symmetry, a quarter of the points is enough. Each displacement sums `corner_integral` over the grid's corners.
+  // By symmetry, a quarter of the grid points is enough.
+  // The displacement of a point is the sum of `corner_integral` over the corners of the grid.
   const auto displacement = [&](std::size_t row, std::size_t column) {
     double sum = 0.0;
     for (const std::size_t j : {column + 1, grid.columns - column}) {

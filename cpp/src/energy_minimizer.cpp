@@ -78,7 +78,7 @@ struct ResidualSums {
   }
 };
 
-// `sum` is net pressure plus attraction.
+// `sum` is net pressure plus attraction [GPa].
 STICTION_INLINE double contact_pressure(double gap, double sum, double hardness) {
   const double clipped = std::min(std::max(sum, 0.0), hardness);
   const double closed = gap < 0.0 ? hardness : clipped;
@@ -251,7 +251,7 @@ struct Sum {
 
 }  // namespace
 
-// Relative residual (residual/stresses), mean attraction [GPa], and error of the total load [GPa].
+// Relative residual (residual/stresses), mean attraction [GPa], and error of the total load as a mean pressure [GPa].
 struct EnergyMinimizer::Residual {
   double relative = 0.0;
   double mean_attraction = 0.0;

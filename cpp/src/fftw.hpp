@@ -35,7 +35,7 @@ class AlignedBuffer {
   std::size_t bytes_ = 0;
 };
 
-/// FFTW estimates its plans instead of measuring, so that every run uses the same plans.
+/// FFTW selects plans by estimated costs, not by measured times, so that every run uses the same plans.
 /// Plans are created on first use. Several threads may use the same ComplexFft at the same time.
 template <class Real>
 class ComplexFft {

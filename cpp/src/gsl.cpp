@@ -10,7 +10,7 @@
 namespace stiction::gsl {
 namespace {
 
-// GSL aborts the process on an error unless its handler is off. A handler cannot throw through C functions.
+// On an error, GSL aborts the process unless its error handler is off. Exceptions cannot pass through C functions.
 // NOLINTNEXTLINE(bugprone-throwing-static-initialization)
 [[maybe_unused]] gsl_error_handler_t* const previous_handler = gsl_set_error_handler_off();
 

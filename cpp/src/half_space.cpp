@@ -33,7 +33,7 @@ constexpr double coarse_tolerance = 3e-3;
 // On an area, the solver starts from the pressures at another load if (larger load) / (smaller load) is at most this.
 constexpr double max_load_ratio = 1.3;
 constexpr std::int64_t max_iterations = 2000;
-// Coarser grids may stop early, because their solutions are only starting points.
+// On coarser grids, the solver may stop early, because the solutions are only starting points.
 constexpr std::int64_t max_coarse_iterations = 100;
 constexpr int max_exact_evaluations = 20;
 // Relative tolerance of displacements that should be equal. The compliance then has a relative error of about 1e-7.
@@ -124,7 +124,7 @@ std::size_t previous_point(std::size_t point, std::size_t points, bool periodic)
   return point > 0 ? point - 1 : (periodic ? points - 1 : point);
 }
 
-// Interpolated values are single gaps, or rows of `width` gaps.
+// Coarsen along each row (`width` 1), or along all columns together (`width` is the number of columns).
 void coarsen_gap_along(Values gap, std::size_t blocks, std::size_t old_points, std::size_t new_points,
                        std::size_t width, bool periodic, std::vector<double>& result) {
   result.resize(blocks * new_points * width);

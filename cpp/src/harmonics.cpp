@@ -28,14 +28,14 @@ std::unique_ptr<double[], AlignedDelete> allocate_aligned(std::size_t size) {
   return std::unique_ptr<double[], AlignedDelete>(new (std::align_val_t{cache_line}) double[size]);
 }
 
-// A phase may make at most 2^n turns along the grid, or fewer than 20 binary digits of a turn would remain.
+// A phase may make at most 2^n turns along the grid, so that 20 binary digits remain for the fraction of a turn.
 // The limit is 2^44 turns if a long double has 64 binary digits, and 2^33 turns if a long double is a double.
 constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20;
 
 // The group profiles of one block must fit into the second-level cache.
 constexpr Index block = 1024;
 constexpr Index blocks_per_restart = 8;
-// Points by which a harmonic advances per step. Each SIMD lane has its own recurrence.
+// Number of grid points by which a harmonic advances per step. Each SIMD lane has its own recurrence.
 constexpr std::size_t lanes = 32;
 constexpr std::size_t doublings = 5;
 static_assert(lanes == 1 << doublings && block % lanes == 0);
@@ -60,7 +60,7 @@ Complex unit_phasor(Turns turns) { return std::polar(1.0, to_radians(turns)); }
 // The round-off of the recurrence is proportional to the number of steps, even for very small θ.
 struct Harmonic {
   alignas(cache_line) std::array<double, lanes> z;  // values at the next `lanes` points
-  // differences to the preceding `lanes` points
+  // `z` minus the values at the preceding `lanes` points
   alignas(cache_line) std::array<double, lanes> d;
   double rate;                               // 4 sin²(θ/2)
   Complex amplitude;                         // at x = 0
@@ -189,7 +189,7 @@ STICTION_KERNEL(subtract_one, (double* values, Harmonic* harmonics), (values, ha
 STICTION_MULTIVERSION
 void fill_block(double* values, double constant) { std::fill_n(values, block, constant); }
 
-// Blocks must be requested in order.
+// The blocks of a group must be requested one after the other, from left to right.
 void next_block(Group& group, Index first, double* values) {
   fill_block(values, group.constant);
   if (first % (blocks_per_restart * block) == 0) {
@@ -229,7 +229,7 @@ STICTION_INLINE void tile_product(const double* weights, const double* values, s
   }
 }
 
-// With ten rows, each loaded value is used ten times.
+// Ten rows of sums are computed together, so each loaded value is used ten times.
 template <std::size_t Width>
 STICTION_INLINE void ten_rows_kernel(const double* weights, const double* values, std::size_t frequencies, double* sums,
                                      std::size_t stride) {

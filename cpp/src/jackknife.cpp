@@ -11,7 +11,7 @@
 namespace stiction {
 namespace {
 
-// Intermediate values of a chunk fit into the first-level cache.
+// The intermediate values for one chunk of repetitions fit into the first-level cache.
 constexpr std::size_t repetitions_per_chunk = 256;
 // Number of partial sums: a multiple of all SIMD widths, so that the order of additions is equal for every width.
 constexpr std::size_t sum_lanes = 32;

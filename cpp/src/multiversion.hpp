@@ -32,7 +32,7 @@
 #define STICTION_MULTIVERSION
 #endif
 
-// Clang reports functions as unused that only the loader uses.
+// Clang would report functions that only the loader calls as unused.
 #if defined(__clang__)
 #pragma clang diagnostic ignored "-Wunused-function"
 #endif

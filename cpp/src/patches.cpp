@@ -11,7 +11,7 @@ namespace stiction {
 namespace {
 
 // Fraction of a cell by which pressure extends beyond the true contact at an open side.
-// On profiles, Westergaard's solution for a sinusoid gives 0.38 ± 0.03 points per contact, and half of this per side.
+// On profiles, Westergaard's solution for a sinusoid gives 0.38 ± 0.03 cells per contact, half of it at each side.
 constexpr double line_side_fraction = 0.19;
 constexpr double area_side_fraction = (std::numbers::pi - 1 + std::numbers::ln2) / 24;
 
@@ -82,7 +82,7 @@ Patches patches_of(Values pressure, const Grid& grid, double hardness) {
   const auto rows = static_cast<std::int64_t>(grid.rows);
   const auto columns = static_cast<std::int64_t>(grid.columns);
   const double side_fraction = grid.line ? line_side_fraction : area_side_fraction;
-  // Beyond an edge, the number is 0 or, on a periodic grid, the number at the opposite edge.
+  // Beyond an edge of the grid, the point number is 0 or, on a periodic grid, the number at the opposite edge.
   const auto at = [&](std::int64_t row, std::int64_t column) -> std::int32_t {
     if (row < 0 || row >= rows || column < 0 || column >= columns) {
       if (!grid.periodic) {

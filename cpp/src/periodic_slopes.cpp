@@ -12,10 +12,10 @@
 namespace stiction {
 namespace {
 
-// The heights of 4 pairs of columns in one row fill a cache line.
+// In one row, the heights of 4 pairs of columns fill a cache line.
 constexpr Index pairs_per_strip = 4;
 
-// One transform differentiates two periodic lines: one is the real part, the other the imaginary part.
+// One Fourier transform differentiates two periodic lines, which are the real and the imaginary part of its input.
 class PairDerivative {
  public:
   PairDerivative(Index points, double spacing)

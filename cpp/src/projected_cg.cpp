@@ -15,7 +15,7 @@
 namespace stiction {
 namespace {
 
-// Limits of the optimal step length, relative to the trial length, and of the ratio of successive trial lengths.
+// After a step, the trial length is multiplied by (optimal length) / (trial length), clipped to these limits.
 constexpr double min_length_factor = 0.5;
 constexpr double max_length_factor = 2.0;
 constexpr double max_recovery_factor = 100.0;  // largest factor by which steps are lengthened after failed steps

@@ -37,7 +37,7 @@ void right_sides(const double* heights, Index size, double scale, double* result
   }
 }
 
-// The mean of the slopes of both adjacent cubics, which differ by round-off, makes slopes symmetric in x.
+// The slope is the mean of the slopes of both adjacent cubics, so mirrored heights give mirrored slopes.
 STICTION_MULTIVERSION
 void slopes(const double* heights, const double* curvature, Index size, double spacing, double* result) {
   const double height_factor = 0.5 / spacing;
@@ -58,7 +58,7 @@ double last_slope(Values heights, double curvature_before, double spacing) {
   return (heights[size - 1] - heights[size - 2]) / spacing + spacing * curvature_before / 6.0;
 }
 
-// Distance in points beyond which the curvature due to a unit load is negligible (0.268^28 = 1e-16).
+// Number of grid points beyond which the curvature due to a unit load is negligible (0.268^28 = 1e-16).
 constexpr Index kernel_reach = 28;
 // A chunk plus one point on each side is a multiple of `stride`.
 constexpr Index stride = 32;

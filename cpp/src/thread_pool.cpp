@@ -38,7 +38,7 @@ class Condition {
 
 }  // namespace
 
-// A round is one call of `run`. It ends without waiting for threads that have not started any of its tasks.
+// A round is one call of `run`, which does not wait for threads that have not started a task of this call.
 struct ThreadPool::Workers {
   using Work = std::function<void(std::size_t, std::size_t)>;
 

@@ -55,7 +55,7 @@ TEST_CASE("contact_geometry: relative curvatures are measured in the tangent pla
 }
 
 TEST_CASE("areal press: a paraboloid on a flat has one elliptic contact for all directions and sliding rules") {
-  // At the edges of the map, the spline has zero curvature. At 15 points from the edges, the error is 0.268^15 = 3e-9.
+  // The spline has zero curvature at the map's edges. The resulting error 15 points from an edge is 0.268^15 = 3e-9.
   constexpr double tolerance = 1e-7;
   const Matrix upper = paraboloid(31, 41, 3.0, 1.0);
   const Matrix lower = Matrix::Zero(31, 41);

@@ -80,7 +80,7 @@ TEST_CASE("Preconditioner: recovers pressures of long wavelength from their disp
       std::vector<float> displacement(area.size());
       fixture.kernel.displacement(pressure, displacement, fixture.workspace);
       const auto recovered = fixture.preconditioner(points, restricted_to(points, displacement), fixture.workspace);
-      // With the stencil alone, pressures of the longest wavelength would be 3 to 20 times too large.
+      // With the stencil alone, recovered pressures of the longest wavelength would be 3 to 20 times too large.
       const double ratio = product(points, recovered, pressure) / product(points, pressure, pressure);
       CHECK(ratio > 0.5);
       CHECK(ratio < 2.0);
