@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from stiction.result import Result
 
 
-# The script packaging/pair_options.py writes the parameters of `pair`, their descriptions and the `PairOptions` call.
+# The script packaging/pair_options.py generates the parameters of `pair`, their docs and the call of `PairOptions`.
 def pair(
     first: BodyScans | None = None,
     second: BodyScans | None = None,
@@ -336,7 +336,7 @@ def pair(
                 tip=tip,
                 onset=onset,
             )
-        # The study file contains the name of the file in which the interface is stored.
+        # The interface is stored in a file, because the study file refers to it by a file name.
         if isinstance(interface, InterfaceStrength):
             options = options.model_copy(update={"interface": store_interface(interface, result_directory)})
         study = build_study_from_options(options)

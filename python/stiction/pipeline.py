@@ -277,7 +277,7 @@ def compute_companion_files(
         stored_onset = load_stored_onset(stored_result)
         if onset == 0 or (stored_onset is not None and onset in (None, int(stored_onset.attrs["members"]))):
             if stored_onset is not None and (stored_result.path / ONSET_TABLE_FILE).exists():
-                # The table is rewritten, because it contains the coefficient, which may have changed.
+                # The onset table is written again, because its friction coefficient may have changed.
                 _write_onset_table(result, stored_onset)
             return
         announce("onset of sliding")

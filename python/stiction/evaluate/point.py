@@ -37,19 +37,19 @@ class SlidingRuleCoefficient(Estimate):
 
     _: KW_ONLY
     rule: str  # "all" or "opposing"
-    # "ok", or the status of a direction without a coefficient.
+    # "ok", or the status of a direction of motion in which no friction coefficient could be computed.
     status: str = STATUS_OK
     interval_of_mean: Interval = UNKNOWN_INTERVAL
     prediction_interval: Interval = UNKNOWN_INTERVAL
-    # 10 % and 90 % quantiles of the coefficients of single members.
+    # 10 % and 90 % quantiles of the friction coefficients of single members.
     low: float = math.nan
     high: float = math.nan
     # Small-slope estimate of the coefficient (`gentle_friction`), or NaN for generated bodies.
     slopes: float = math.nan
     is_outside_asperity_model: bool = False
-    # Coefficients averaged over both directions along an axis, by the angle of the axis (degrees).
+    # Friction coefficients averaged over both directions along an axis, by the angle of the axis (degrees).
     by_axis: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
-    # Coefficients with the interval of the mean, by the direction of motion (degrees).
+    # Mean friction coefficient with the interval of this mean, by the direction of motion (degrees).
     by_direction: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
 
     @property

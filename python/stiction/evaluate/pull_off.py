@@ -30,7 +30,7 @@ class PullOffValues:
     force: Estimate
     pressure: Estimate
     friction: Estimate
-    # True if the pull-off force of some members is only known to exceed a lower bound.
+    # True if only a lower bound of the pull-off force is known for some members.
     is_bound: bool
     area_inputs: tuple[str, ...] = ()
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 MIN_INPUT_SAMPLES = 2**10
-# The product of the numbers of input samples and of displacements determines the required memory.
+# Maximum of (number of input samples) · (number of displacements), which determines the required memory.
 MAX_CURVE_VALUE_COUNT = 2**21
 CONTACT_INPUTS = ("hardness", "effective_modulus")
 """Names of the inputs that change the contacts themselves, so that the shear test is repeated at their limits."""
@@ -42,7 +42,7 @@ CURVE_NAMES = ("friction_coefficient", "shear_stress", "dilation")
 SHEAR_INTERVAL_ATTRIBUTES = ("peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa", "end")
 """Names of the dataset attributes of a shear test that have an interval."""
 
-# The first axis of each array runs over random samples of the inputs, or over strips of the faces.
+# Arrays by quantity; the first axis of each array runs over random samples of the inputs or over strips of the faces.
 _Samples = dict[str, Floats]
 
 

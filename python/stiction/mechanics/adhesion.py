@@ -41,20 +41,20 @@ from stiction.mechanics.half_space_problem import (
 )
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
 
-# Plain steps of the iteration of the attraction damp oscillations between two extrapolated steps.
+# Number of plain steps between two extrapolated steps of the attraction; plain steps damp oscillations.
 NUM_UNACCELERATED_STEPS = 2
 MAX_EXTRAPOLATION_FACTOR = 10.0
 MAX_SOLVES_PER_LOAD = 2000
-# For soft bodies, the energy minimization takes fewer iterations than further contact solutions.
+# After this number of contact solutions, the energy is minimized, which takes fewer iterations for soft bodies.
 MAX_SOLVES_BEFORE_MINIMIZATION = 6
 MAX_SOLVES_PER_CONTACT_LOAD = 60
 MAX_SOLVES_PER_TRIAL_CONTACT_LOAD = 12
 MAX_STALLED_SOLVES = 20
 MAX_RESIDUAL_TO_TOLERANCE_RATIO = 10.0
-# Round-off may prevent the convergence of a contact solution to a smaller tolerance.
+# Smallest tolerance of a contact solution: round-off may prevent convergence to a smaller one.
 MIN_SOLUTION_TOLERANCE = 1e-8
 TOLERANCE_TO_RESIDUAL_RATIO = 0.05
-# Without extrapolated steps, errors of a contact solution do not grow, so that its tolerance may be large.
+# Without extrapolated steps, the errors of contact solutions do not grow, so a large tolerance is enough.
 PLAIN_TOLERANCE_TO_RESIDUAL_RATIO = 1.0
 MAX_SOLUTION_TOLERANCE = 1e-3
 # Numerical errors may raise the attraction by this fraction of its maximum while the bodies separate.
@@ -69,10 +69,10 @@ LOAD_MARGIN_OF_MINIMUM_CHECK = 0.05
 MIN_PREDICTED_LOAD_DECREASE = 0.003
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
 MAX_REFINEMENT_SOLVES = 6
-# After a larger relative change of the external load, a separation may have passed equilibria.
+# If the external load changes by a larger fraction, the separating bodies may skip equilibria.
 MAX_LOAD_STEP = 0.1
 MAX_TRIAL_LOADS = 40
-# Each side of the grid must have this number of points for a first search for the pull-off load on a coarser grid.
+# Minimum number of points per side of a grid whose pull-off load is first searched for on a coarser grid.
 MIN_COARSENED_POINTS = 128
 
 MAX_MINIMIZATION_STEPS = 10_000
@@ -288,7 +288,7 @@ class AdhesionSolver:
             state.residual = residual
             state.stalled_count = 0 if residual < state.least_residual else state.stalled_count + 1
             state.least_residual = min(state.least_residual, residual)
-            # Contact solutions with the present tolerance may be too inaccurate to reduce the residual further.
+            # If the residual stalls, contact solutions may be too inaccurate, so their tolerance is reduced.
             if state.stalled_count > MAX_STALLED_SOLVES:
                 state.tolerance_ratio, state.stalled_count = state.tolerance_ratio / 10, 0
             next_attraction = np.clip(attraction + attraction_change, 0.0, self.max_attraction)
@@ -391,10 +391,10 @@ class AdhesionSolver:
         states = self.refine_minimum_load(self.extend_unloading_states(states))
         if self._is_minimum_certain(states, first_states[-1]):
             return states
-        # Energy minimizations start from no equilibrium at a contact load: it may be unstable under its external load.
+        # No energy minimization starts from a state found at a given contact load, because this state may be unstable.
         states, stable_states = [*first_states, find_state_of_lowest_load(states)], list(first_states)
-        # Contact loads are positive and the attraction decreases, so later loads exceed -(mean attraction of earlier
-        # states).
+        # Contact loads are positive and the mean attraction decreases, so the external load of each later state exceeds
+        # -(mean attraction of an earlier state).
         unsupported_load, is_certain = -first_states[-1].mean_attraction, True
         try:
             first_load = self._find_pull_off_load_on_coarser_grid(start)
@@ -411,7 +411,7 @@ class AdhesionSolver:
                     load = min(max(load, (1 + relative_step) * least_load), next_load)
                     relative_step *= 2
                     if unsupported_load >= next_load:
-                        # The separating iteration started from a distant load, so it may have passed equilibria.
+                        # The bodies separated from a state at a distant load, so they may have skipped equilibria.
                         is_near = near.load < (1 - MAX_LOAD_STEP) * unsupported_load
                         load = unsupported_load if is_near else near.load + approach_step * (least_load - near.load)
                 if number == 0 and unsupported_load < first_load < least_load:
@@ -440,7 +440,7 @@ class AdhesionSolver:
         equilibrium, plain steps cannot.
         """
         least_load = find_state_of_lowest_load(states).load
-        # A load between two equilibria is at least (later contact load) - (earlier mean attraction).
+        # Between two equilibria, the external load is at least (later contact load) - (earlier mean attraction).
         load_bounds = [later.contact_load - earlier.mean_attraction for earlier, later in itertools.pairwise(states)]
         if min([*load_bounds, -states[-1].mean_attraction]) >= (1 + PULL_OFF_LOAD_TOLERANCE) * least_load:
             return True
@@ -707,7 +707,7 @@ def solve_separation(
     start_values = float(pressure.mean()), contact_solution.load / total_area, contact_solution.approach
     start = AdhesionState(pressure.ravel(), np.asarray(contact_solution.attraction), *start_values)
     descending_states, least_load = [], start.load
-    # While the load decreases, the bodies reach an equilibrium only if its load is below all earlier equilibrium loads.
+    # Under a decreasing external load, the bodies reach only equilibria with a lower load than all earlier equilibria.
     for state in solver.trace_separation(start)[1:]:
         if state.load < least_load:
             descending_states.append(state)

@@ -19,7 +19,7 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     import xarray as xr
 
-# Smallest assumed change of ln κ by a finer scan (95 % limit), where κ = A E* h'/F is the area coefficient.
+# Lower bound of the 95 % limit for the change of ln κ by a finer scan; κ = A E* h'/F is the area coefficient.
 MIN_LOG_KAPPA_SPREAD = 0.1
 EXTRAPOLATED_WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
@@ -82,7 +82,7 @@ def extrapolated_gradients(
     finer_wavelengths = np.array(EXTRAPOLATED_WAVELENGTH_RATIOS) * shortest_wavelength
     if estimate is None:
         return np.full((finer_wavelengths.size, 3), np.nan)
-    # The extrapolated gradients must continue the gradient of the scan at its shortest wavelength.
+    # The extrapolated rms gradients are scaled to continue the scan's rms gradient at its shortest wavelength.
     gradient_ratio = gradient / float(roughness.gradient_at(shortest_wavelength))
     gradients = gradient_ratio * np.stack(
         [roughness.continued(finer_wavelengths, power_law) for power_law in fitted_and_limiting_power_laws(estimate)],

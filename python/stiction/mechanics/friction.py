@@ -568,7 +568,7 @@ class FrictionCurve(PlotReprMixin):
         strengths = validate_friction_parameter("tau0", tau0)
         warn_if_tau0_is_large(strengths, self.effective_modulus)
         parameters = np.broadcast_arrays(validate_friction_parameter("mu0", mu0), strengths)
-        # The axes of mu0 and tau0 come before the axes of directions and loading steps.
+        # The arrays of mu0 and tau0 get new axes at the end, for directions and loading steps.
         index = (..., *([np.newaxis] * self.tangential_elastic.ndim))
         return FrictionLaw(parameters[0][index], parameters[1][index])
 
@@ -598,7 +598,7 @@ def statuses_of_approaches(contact_count: ArrayLike, normal: Floats) -> NDArray[
     return choose_statuses(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 
-# Larger mu0, and larger tau0 (GPa), may overflow.
+# Upper limit of mu0 and of tau0 (GPa): with larger numbers, computations may overflow.
 MAX_FRICTION_PARAMETER = 1e12
 
 

@@ -24,11 +24,11 @@ from stiction.mechanics.model import (
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-# At approaches below this fraction of the gap's range, a single contact carries the whole load.
+# Smallest approach as a fraction of the gap's range: below this approach, a single contact carries the whole load.
 _MIN_APPROACH_TO_GAP_RANGE = 1e-6
-# If the load crosses a requested load twice between two successive approaches, both crossings are missed.
+# Ratio of successive approaches. If the load crosses a requested load twice between them, both crossings are missed.
 _SUCCESSIVE_APPROACH_RATIO = 1.1
-# Larger approaches take longer, so the computation stops after the batch in which all loads are reached.
+# The computation stops after the batch of approaches that reaches all loads, because larger approaches take longer.
 _APPROACHES_PER_BATCH = 16
 _CANDIDATE_APPROACH_FACTOR = 5.0
 
@@ -157,7 +157,7 @@ class SurfacePair:
             or cached_candidates.deepest < deepest
             or cached_candidates.curvature != model.curvature
         ):
-            # The search for candidates goes beyond the requested approach, as a later request may be larger.
+            # Candidate contacts are searched for beyond the requested approach, because a later approach may be larger.
             cached_candidates = candidates(
                 self.upper, self.lower, deepest=_CANDIDATE_APPROACH_FACTOR * deepest, curvature=model.curvature
             )

@@ -110,12 +110,12 @@ class AsperityTangentialProblem:
         """Return the slip state in which all contacts together support a tangential load (mN)."""
         from scipy.optimize import brentq
 
-        # The solution is explicit, so it needs no initial guess.
+        # The initial guess `near` is not used, because the displacement is computed from a formula or by bracketing.
         del near
         max_displacement = float(self.sliding_displacement.max())
         displacement = max_displacement
         if load < self.sliding_load:
-            # The tangential load is concave in the displacement, so the displacement is at least load / stiffness.
+            # The tangential load is concave in the displacement, so displacement >= load / (initial stiffness).
             min_displacement = min(load / self.stiffness, max_displacement)
             displacement = brentq(
                 lambda value: self._tangential_loads(self._slip_depth(value)).sum() - load,

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from stiction.mechanics.presliding import FourParameterIwan, LuGre
 
-# The tolerances are fractions of the load or displacement at the onset of sliding.
+# Tolerances, as fractions of the load or of the displacement at the onset of sliding.
 LOAD_TOLERANCE = 1e-9
 MIN_SLIDING_FRACTION = 1e-12
 DISPLACEMENT_TOLERANCE = 1e-7

@@ -40,7 +40,7 @@ class PatchSums:
     """
 
     force: Floats  # Σ F n_z, mN
-    area: Floats  # along the deformed interface, µm²
+    area: Floats  # µm², along the deformed interface
     leaning: Floats  # -Σ F s·n, mN
     upward: Floats  # Σ F t_z, mN
     forward: Floats  # -Σ F s·t, mN

@@ -66,18 +66,18 @@ class ResultQuantity:
     denominator: tuple[str, ...] = ()
     sum_under_load: str = ""
     bounds: tuple[float, float] = (-math.inf, math.inf)
-    # A result may store infinite numbers if a limit of this range is infinite.
+    # Range of stored numbers; a result may contain infinite numbers only if a limit of the range is infinite.
     stored_bounds: tuple[float, float] = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
     interval_kind: EstimateKind = "mean"
     percent: bool = False
     column_unit: str = ""
     column_factor: float = 1.0
-    # True if the ratio of the quantity to the load is interpolated, linearly in the logarithm of the load.
+    # True if the ratio of the quantity to the load is interpolated linearly in ln(load), instead of the quantity.
     proportional: bool = False
-    # False if the quantity is not proportional to the load between adhesive bodies.
+    # False if the quantity is proportional to the load only between bodies without adhesion.
     proportional_with_adhesion: bool = True
     weighted: bool = False
-    # Name of the quantity that gives the fraction of members for which this quantity is only a lower bound.
+    # Name of another quantity: the fraction of members for which this quantity is only a lower bound.
     bound_fraction: str = ""
     stored: frozenset[QuantitySource] = frozenset()
     # True if results of earlier versions do not contain the quantity, which is then NaN.

@@ -34,7 +34,8 @@ from stiction.mechanics.solution_record import SolutionRecord, StepResult
 MAX_RELATIVE_FORCE_OFFSET = 1e-4
 MAX_TILT_SOLVES_PER_LOAD = 60
 MAX_EDGE_DISPLACEMENT_STEP = 0.5
-# This number, in units of (mean pressure) · (side length)² / (gap deviation), keeps Newton's equations solvable.
+# Number added to the moments per slope, in units of (mean pressure) · (side length)² / (gap deviation), so that
+# Newton's equations have a solution.
 ADDED_MOMENT_PER_SLOPE = 1e-6
 INDENTATION_TOLERANCE = 1e-6
 MAX_CUTTING_PLANES = 200
@@ -111,7 +112,8 @@ def solve_with_balanced_tilt(
         near = None if last_solution is None else last_solution.on_grid(last_solution.values).ravel()
         contact_solution = search_balance(start, load, near, tolerance)
         if contact_solution is None:
-            # At low loads, the moments change abruptly with the tilt: a second search starts from rigid surfaces.
+            # The first search may fail at low loads, where the moments change abruptly with the tilt. A second search
+            # starts from the tilt of rigid surfaces.
             rigid_problem = apply_tilt(start, find_rigid_tilt(start, load / start.cell_area))
             touching_solution = solve_contact_and_moments(rigid_problem, load, None, tolerance)[0]
             displacement = start.grids.displacement(

@@ -18,7 +18,7 @@ from stiction.solve.runner import complete_blocks, prepare_result_directory
 from stiction.solve.store import STUDY_FILE, StoredResult, open_result_to_complete, open_stored_result, remove_result
 from stiction.study.study import Study, find_member_differences
 
-# The argument is the estimated computing time (s) on one core.
+# Function that is called with the estimated computing time (s) on one core.
 TimeAnnouncer = Callable[[float], Any]
 
 
@@ -42,7 +42,7 @@ class CompanionStudy:
         try:
             stored_result = open_stored_result(self.directory)
         except ValueError:
-            # The directory of the companion study is damaged.
+            # A companion study whose directory is damaged counts as missing.
             return None
         if find_member_differences(stored_result.study, self.study):
             return None

@@ -34,7 +34,7 @@ class PairSlopeStatistics:
     steep_masks: dict[str, NDArray[np.bool_]]
     steepness_limits: dict[str, float]
     gap_mean_squares: list[float]  # along y and x, or along x
-    # Mean of (slope along y) · (slope along x) of the gap, or 0 for profiles.
+    # Mean product of the gap's slopes along y and along x; 0 for profiles.
     gap_mean_product: float
 
     @classmethod
@@ -98,13 +98,13 @@ class ContactList:
     y: Floats
     force: Floats  # mN
     area: Floats  # projected, µm²
-    # A contact opposes motion in the direction in which its mean slope is positive.
+    # Mean slopes of each contact along x and y. A contact opposes motion in the direction of a positive slope.
     slope_x: Floats
     slope_y: Floats
-    # The number of grid cells of an asperity need not be a whole number.
+    # Number of grid cells of each contact, which need not be a whole number for an asperity.
     cells: Floats
     at_edge: NDArray[np.bool_]
-    # Contact pressures (GPa), each with a weight proportional to the area with this pressure.
+    # Contact pressures (GPa), and for each pressure a weight proportional to the area on which it acts.
     pressure: Floats
     weight: Floats
 

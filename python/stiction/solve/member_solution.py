@@ -221,7 +221,7 @@ def _solve_asperities(
     a load within a jump are interpolated between the states just before and just after the jump.
     """
     model, is_areal = contact.contact_model(), isinstance(upper, Surface)
-    # Two maps have one load curve for all directions of motion, two profiles one load curve per direction.
+    # Two maps have one load curve for all directions of motion; two profiles have one load curve per direction.
     if is_areal:
         models = [replace(model, direction=contact.direction_angles().tolist(), shear="+x").for_surfaces()]
     else:
@@ -407,7 +407,7 @@ With 512² to 1536² points, the elastic area took 1.0 to 1.3 times the time of 
 contact has smaller patches.
 """
 
-# For profiles (False) and maps (True); each step of an energy minimization counts as an iteration.
+# Maximum number of iterations for profiles (False) and maps (True); a step of an energy minimization counts as one.
 MAX_ADHESION_ITERATIONS = {False: 10_700, True: 3100}
 ADHESION_ITERATIONS_AT_UNIT_RATIO = {False: 100_000, True: 5000}
 """Number of iterations for the adhesion of a gap with E* Sq Sdq / (4 w) = 1, for lines (False) and maps (True).

@@ -62,11 +62,11 @@ from stiction.study.values import StudyError
 if TYPE_CHECKING:
     import xarray
 
-# Computing time (s) of a block of members: writing it takes a few per cent of this time, and a crash loses little work.
+# Computing time (s) of a block of members. Writing a block takes a few per cent of it, and a crash loses little work.
 TARGET_BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
-# With many blocks, no worker waits long for the last block of a run.
+# Minimum number of blocks of members in a run: with fewer, idle workers could wait long for the last block.
 MIN_BLOCKS_PER_RUN = 16
 # The first block file of each size takes 0.1 s to write.
 MIN_BLOCK_TIME = 0.2
@@ -410,7 +410,7 @@ class _UnfinishedMembers:
         for block in self._blocks:
             first_index = block * self.block_size
             is_finished = self._is_finished[first_index : first_index + self.block_size]
-            # `edges` contains the first index of each range of missing members, followed by the index after the range.
+            # For each range of missing members, `edges` contains the first index and the index after the last one.
             edges = np.flatnonzero(np.diff(np.concatenate([[True], is_finished, [True]]).astype(np.int8)))
             for start, end in edges.reshape(-1, 2).tolist():
                 yield range(first_index + start, first_index + end)

@@ -614,7 +614,7 @@ def _write_study_file(stored_result: StoredResult, claim: DirectoryClaim) -> Non
             return
         if not _contains_study(path, study, repetitions_may_differ=True):
             check_directory_is_unused(path, claim)
-        # Claims are checked before blocks are listed: a run gives up its claim only after it has written its blocks.
+        # A run ends its claim on a directory only after writing its blocks, so claims are checked before blocks.
         _check_resumable(stored_result.reload())
         _check_study_file_may_be_replaced(path, study)
         _files.write_atomically(path / STUDY_FILE, content)
@@ -981,7 +981,7 @@ def decode_members(content: bytes) -> BlockFileContent:
         if study.is_measured:
             for name, dtype in MEMBER_COORDINATE_TYPES.items():
                 coordinate = _read_variable(file, name, repetitions.shape)
-                # The positions x and y of surrogates are NaN.
+                # Surrogates have no positions, so their x and y are NaN.
                 check_values(
                     name, coordinate, dtype=QUANTITIES[name].dtype, bounds=QUANTITIES[name].stored_bounds,
                     may_be_nan=True,
@@ -1136,7 +1136,7 @@ def export(dataset: xarray.Dataset, path: str | Path, *, replace: bool = False) 
         if replace
         else create_file_atomically(path, ExportError) as partial
     ):
-        # The file is first created in memory, because HDF5 may crash if the disk is full.
+        # HDF5 may crash if the disk is full, so the content of the file is first created in memory.
         content = io.BytesIO()
         write_dataset(dataset, content)
         append_checksum(content)

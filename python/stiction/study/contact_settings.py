@@ -314,7 +314,7 @@ class ContactSettingsForMeasuredSurfaces(CommonContactSettings):
             )
             elasticity = derive_elasticity(young, poisson, is_named=data.get("materials") is not None)
         except (ValueError, IndexError):
-            # The validation of the keys `young` and `poisson` reports errors in the moduli.
+            # Invalid elastic constants are reported later, by the validation of the keys `young` and `poisson`.
             return data
         derived_elasticity: dict[str, Any] = {
             "effective_modulus": exact_quantity(elasticity.effective_modulus, "GPa"),

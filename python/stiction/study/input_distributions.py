@@ -68,11 +68,12 @@ _VICKERS_TEST_LOAD_PATTERN = re.compile(r"(?<![^\W\d_])HV\s*[0-9]+(\.[0-9]+)?(?!
 InputKind = Literal["", "pressure", "modulus", "hardness"]
 # An incompressible body has this Poisson's ratio.
 MAX_POISSON_RATIO = 0.5
-# A von Mises body whose hardness is three times its yield strength has a junction growth of α = 27.
+# Upper limit of the junction growth α. For a von Mises body with a hardness of three times its yield strength, α is 27.
 MAX_JUNCTION_GROWTH_COEFFICIENT = 100.0
 SLIP_LINE_TEXT = "slip-line"
 MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5  # slip-line theory
-# The exponent m of fine asperities is far above the lower limit, that of surfaces with steps below the upper limit.
+# Limits of the yield exponent m. Fine asperities have a much larger m than the lower limit, and surfaces with steps
+# have a smaller m than the upper limit.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
 MAX_AREA_LOSS = 0.9
 # At the largest accepted creep exponent, the hardness falls to a third in each decade of time.
@@ -85,13 +86,13 @@ class UncertainInput:
 
     # Central value of an input: an exact number, or the mean of both limits (geometric mean if log-normal).
     value: float
-    # Limits of the 95 % interval of an input, or of its uniform distribution.
+    # Limits of the 95 % interval of an input or, if the input is uniformly distributed, of its distribution.
     low: float
     high: float
     distribution: InputDistribution
     text: str
     maximum: float = math.inf
-    # True if the input is the ratio of hardness to shear strength, False if it is α of junction growth.
+    # True if junction growth is given by the ratio of hardness to shear strength, False if it is given by α.
     uses_slip_lines: bool = False
 
     @property
@@ -371,7 +372,7 @@ def select_by_weight(cumulative_weights: Floats, count: int, offset: float) -> N
     `offset` is a number from 0 to 1 that shifts the selection.
     """
     targets = (np.arange(count) + offset) / count * cumulative_weights[-1]
-    # Round-off may raise the last target above the sum of all weights, and its index above the last index.
+    # Round-off may raise the last target above the sum of all weights, so indices are limited to the last index.
     indices: NDArray[np.intp] = np.minimum(np.searchsorted(cumulative_weights, targets), cumulative_weights.size - 1)
     return indices
 

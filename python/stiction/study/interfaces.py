@@ -110,7 +110,7 @@ or only with care.
 `calibrate` fills these entries, so that the argument `about` of `write_interface` must not contain them.
 """
 
-# Largest normal score that is computed from samples, for files without columns of normal scores.
+# For files without columns of normal scores, scores between minus and plus this number are computed from the samples.
 MAX_RECOVERED_NORMAL_SCORE = 5.0
 _SCORE_COLUMN_PREFIX = "score of "
 
@@ -129,7 +129,7 @@ def area_error_name(pair_checksum: str) -> str:
     return f"area of {pair_checksum}"
 
 
-# Number, followed by the lower and the upper limit of its 95 % interval.
+# A number, and the lower and the upper limit of its 95 % interval.
 ValueWithLimits = tuple[float, float, float]
 
 
@@ -159,7 +159,7 @@ class StrengthFit:
     # Normal scores of the uncertain inputs and area errors of the tests, by `shared_input_name` and `area_error_name`:
     # a pair that shares an input with the tests uses the scores of this input.
     scores: Mapping[str, Floats] = field(default_factory=dict)
-    # Fits with mu0 = 0 or tau0 = 0, by the name of the coefficient that is 0, if the tests do not exclude 0.
+    # If the tests do not exclude mu0 = 0 or tau0 = 0: the fit with this parameter at 0, by the parameter's name.
     fits_at_bounds: Mapping[str, StrengthFit] = field(default_factory=dict)
     # True area per load A/F (1/GPa) of each test; empty for a published interface or an interface from a file.
     area_per_load_of_tests: Floats = field(default_factory=lambda: np.empty(0))
@@ -504,7 +504,8 @@ def compute_coverage_at_bound(values: Floats) -> float:
     if density_at_bound == 0:
         return 0.0
     squared_score = max(Z_95**2 + 2 * math.log(density_at_bound / max_density), 0.0)
-    # If the density is highest at 0, the probability is 95 %, which `min` keeps exact despite round-off of `erf`.
+    # If the density of the samples is highest at 0, the returned probability is exactly 95 %: `min` removes the
+    # round-off of `erf` above it.
     return min(math.erf(math.sqrt(squared_score / 2)), INTERVAL_COVERAGE)
 
 

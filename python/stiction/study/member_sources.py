@@ -122,7 +122,7 @@ class LineMemberSource:
     pairs: LinePairs
     scans: tuple[MeasuredBody, MeasuredBody]
     offsets: int = 1
-    positions: tuple[float, ...] | None = None  # µm, None for a quasi-random sequence
+    positions: tuple[float, ...] | None = None  # µm; None for positions from a quasi-random sequence
 
     def member(self, index: int) -> EnsembleMember:
         """Return the member with a given index: the slider, and the part of the counterface under the slider."""
@@ -144,12 +144,12 @@ class LineMemberSource:
             return self._member_at(slider, counterface, round(self.positions[offset_index] / slider.spacing), line)
         if max_steps == 0 and offset_index > 0:
             raise ValueError("several positions require a slider that is shorter than its counterface; give a travel")
-        # A single pair of lines is shifted, because both lines may come from the same scan.
+        # The slider of a single pair of lines is shifted, because both lines may come from the same scan.
         is_unshifted = pairs.has_several_pairs and num_offsets == 1 and pairs.travel is None
         if is_unshifted or max_steps == 0:
             offset_steps = 0
         elif num_offsets == 1 and pairs.travel is not None and offset_index == 0:
-            # With a single relative position, the slider is at the end of its travel.
+            # If a travel and only one relative position are wanted, this position is the end of the travel.
             offset_steps = max_steps
         else:
             offset_steps = 1 + min(int(quasi_random_point(offset_index + 1, 1)[0] * max_steps), max_steps - 1)
@@ -214,7 +214,7 @@ class MapMemberSource:
 
     pairs: MapPairs | IsotropicSurfacePairs | SurfacePairsFromSpectra
     scans: tuple[MeasuredBody, MeasuredBody]
-    # The first members are pairs of surrogates; None if all members are surrogates.
+    # Number of members, from index 0, that are pairs of surrogates; None if all members are.
     surrogates: int | None = None
 
     def member(self, index: int) -> EnsembleMember:

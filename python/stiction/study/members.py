@@ -320,7 +320,7 @@ class PreparedBodies:
         if all(getattr(scan, "missing", None) is None for scans in self._scans_by_side for scan in scans):
             return 1.0
         measured_fractions = []
-        # The loop ends with an error if the study has fewer than `NUM_AVERAGED_MEMBERS` members.
+        # If the study has fewer than `NUM_AVERAGED_MEMBERS` members, an ignored error ends the loop after the last.
         with contextlib.suppress(ValueError, IndexError):
             for index in range(NUM_AVERAGED_MEMBERS):
                 missing = combine_missing_masks(*self.member(index, self._surfaces.reported_cut_off()).pair)

@@ -193,7 +193,7 @@ class OptionCondition:
     """Condition under which an option applies to a pair, and the error message if the condition does not hold."""
 
     is_met: Callable[[PairProperties], bool]
-    # The text {name} in a message stands for another option.
+    # In the message, the name of another option is a placeholder in braces, such as {gap}.
     message: str
 
 
@@ -417,7 +417,7 @@ class FormField:
     example: str = ""
     default_label: str = ""
     choices: tuple[tuple[str, str], ...] = ()
-    size: int = 0  # characters, 0 for the default
+    size: int = 0  # characters; 0 for the default width
     unit: str = ""
     keyboard: Literal["", "numeric", "decimal"] = ""
 
@@ -427,7 +427,7 @@ class PairOption:
     """Declaration of one option of a measured pair, for the command line, Python, study files and the app."""
 
     value: str  # empty for a switch
-    # The text {name} stands for another option.
+    # In the help text, the name of another option is a placeholder in braces, such as {gap}.
     help: str
     kind: OptionKind | None = None
     default_text: str = ""

@@ -74,7 +74,7 @@ from stiction.surfaces.scale import InstrumentLimit
 from stiction.surfaces.scan_defects import find_scan_defects
 from stiction.surfaces.surface import Surface, as_body
 
-# All 64 relative positions of two profiles together take a few seconds to compute.
+# Number of relative positions of two profiles; all positions together take a few seconds to compute.
 DEFAULT_NUM_POSITIONS = 64
 NUM_ADHESION_LOADS = 4
 ZERO_LOAD_REPLACEMENT_FRACTION = 1e-3
@@ -893,7 +893,7 @@ class MeasuredPair:
                     area=self._nominal_area, max_load=max_load,
                 )  # fmt: skip
         loads = self.loads
-        # No results are interpolated between a load of 0 and the next load, so no loads are inserted between the two.
+        # No loads are inserted between a load of 0 and the next load, because results are not interpolated there.
         zero_load_replacements = loads[:1] if self._has_zero_load else []
         regular_loads = loads[len(zero_load_replacements) :] or loads
         num_smaller = NUM_ADHESION_LOADS if self._adhesion_entries.get("work_of_adhesion") else 1

@@ -122,7 +122,7 @@ def _find_tested_ranges(
             continue
         if match := _TESTED_RANGE_PATTERN.fullmatch(text.removesuffix(suffix)):
             low, high = float(match[2]), float(match[3])
-            # Older files have limits with four digits, which may be equal.
+            # Files of earlier versions contain limits that were rounded to four digits, so both limits may be equal.
             distribution: Any = match[1] if low < high else "exact"
             value = math.sqrt(low * high) if distribution == "log-normal" else 0.5 * (low + high)
             tested = replace(

@@ -87,7 +87,7 @@ def check_values(
     if has_nan and not may_be_nan:
         raise DamagedFileError(f"has {name} with a value that is not a number")
     if has_nan or math.isinf(smallest_value) or math.isinf(largest_value):
-        # An infinite number is permitted only if it equals one of the bounds.
+        # An infinite number is permitted only if one of the bounds is the same infinite number.
         is_permitted = np.isnan(values) | np.isin(values, [bound for bound in bounds if math.isinf(bound)])
         smallest_value, largest_value = (
             _find_extremes(values[~is_permitted]) if not is_permitted.all() else (math.inf, -math.inf)

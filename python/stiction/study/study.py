@@ -201,7 +201,7 @@ def _add_interface_strength(section: Mapping[str, Any]) -> Mapping[str, Any]:
             else InterfaceSettings.model_validate(source)
         )
     except ValidationError:
-        # An invalid interface is reported by the validation of the interface.
+        # An invalid interface causes no error here, because the validation of the interface reports it.
         return {**section, "mu0": [0.0]}
     except ValueError as error:
         raise make_key_error("interface", str(error).removeprefix("interface ")) from None
@@ -752,7 +752,7 @@ def find_section_differences(
         first_value, second_value = getattr(first_section, name, None), getattr(second_section, name, None)
         if first_value == second_value:
             continue
-        # A published interface is a section that study files contain as a name.
+        # A published interface is a section in memory, but only a name in a study file.
         have_keys = all(isinstance(section.get(name), dict) for section in serialized)
         if have_keys and isinstance(first_value, SettingsSection) and isinstance(second_value, SettingsSection):
             differences += find_section_differences(first_value, second_value, f"{prefix}{name}.")
@@ -821,7 +821,7 @@ def parse_study(text: str, source: str) -> Study:
         raise StudyError(
             f"{printable_path(source)}: the text is not valid TOML: {printable_text(error, MAX_PATH_LENGTH)}"
         ) from None
-    # An empty study file is a mistake, although all keys have defaults.
+    # An empty study file is rejected as a mistake, although all keys have defaults.
     if not data:
         raise StudyError(f"{printable_path(source)} is empty, so it is not a study")
     return validate_section(Study, convert_old_study(data, source), source)

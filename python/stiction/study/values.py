@@ -312,7 +312,7 @@ class LoadRange(_SteppedValueRange):
     stop: Force
 
 
-# A value is tagged as a range or as a list before its validation, so that an error message describes only one form.
+# Before validation, a value is tagged as a range or as a list, so that an error message describes only this form.
 RANGE_TAG, LIST_TAG = "a range", "a list"
 
 

@@ -105,7 +105,7 @@ docs/explanation/adhesion.md describes the fit.
 """
 
 MAX_DEVIATION_FROM_MU0 = 0.02
-# A number is multiplied by this factor before rounding, so that 2.25 is rounded up as in the report.
+# Before rounding, numbers are multiplied by this factor, so that 2.25 is rounded up to 2.3, as in the report.
 ROUND_UP_FACTOR = 1 + 1e-12
 MAX_RELATIVE_HALF_WIDTH = 0.5
 

@@ -191,7 +191,7 @@ class Evaluation(MemberSums):
         surfaces: Any = self.study.surfaces
         if isinstance(surfaces.fractal_dimension, tuple):
             return quantities
-        # A few fractal dimensions of a range suffice to draw a curve; listed fractal dimensions are all shown.
+        # A curve over a range of fractal dimensions needs only a few; fractal dimensions in a list are all shown.
         num_dimensions = quantities.sizes["fractal_dimension"]
         shown_indices = np.unique(
             np.linspace(0, num_dimensions - 1, min(NUM_OVERVIEW_FRACTAL_DIMENSIONS, num_dimensions)).round().astype(int)
@@ -490,7 +490,7 @@ class Evaluation(MemberSums):
         try:
             return self.summarize_dataset(self.at_study_loads)
         except StoreError:
-            # The user may repair the files, so a storage error is not cached.
+            # An error of stored files is raised instead of cached, because the user may repair the files.
             raise
         except ValueError as error:
             return error

@@ -47,7 +47,7 @@ INSTRUMENT_LIMIT_REASON_TEXTS = {
 }
 """Reasons why wavelengths are not attributed to the surface, as clauses of a caveat, by short name."""
 
-# Above this ratio of height to length of a scan, the unit of the heights must be wrong.
+# If the height of a scan exceeds its length by more than this factor, the unit of the heights must be wrong.
 MAX_HEIGHT_OVER_EXTENT = 10.0
 # A larger mu0 is probably a percentage: clean metals in vacuum reach it only by adhesion and junction growth (tau0).
 MAX_PLAUSIBLE_MU0 = 2.0
@@ -83,7 +83,7 @@ def find_input_caveats(
 
     `alternatives` contains the names of the alternative preparations that the interval includes.
     """
-    # A gap between two faces, and scans whose form was subtracted, get no caveat about form error.
+    # No caveat about form error is given for a gap between two faces, or for scans whose form was subtracted.
     surfaces: Any = study.surfaces
     is_form_subtracted = surfaces.level == "quadratic"
     is_vouched = bool(surfaces.vouched)
@@ -178,7 +178,7 @@ def _find_strength_caveats(study: Study) -> Iterator[Caveat]:
 def _find_mated_face_caveats(upper: MeasuredBody, lower: MeasuredBody, study: Study) -> Iterator[Caveat]:
     """Yield a caveat if two faces fit into each other, as in a fracture, but the study specifies no position."""
     surfaces: Any = study.surfaces
-    # Surrogates have no relative position.
+    # Surrogates have no relative position, so they get no caveat.
     if study.is_gap or surfaces.press == "surrogates" or surfaces.positions:
         return
     facing_body: Any
@@ -420,7 +420,7 @@ def _find_instrument_caveats(
         text = f"{_describe_slope_fraction(tip_limit)}, which the tip does not resolve: the surface is steeper"
         note = f", and the interval {'includes an estimate of' if has_tip_estimate else 'does not include'} this"
         note = note if elastic or has_tip_estimate else ""
-        # Slopes increase with ever finer scans, so the true area has no lower limit if no hardness is given.
+        # The finer a scan, the steeper its slopes, so without a hardness, the true area has no lower limit.
         peak_severity: Severity = "fault" if elastic and tip_limit.matters else "caution"
         remedy = "use a sharper tip" + (", or specify a hardness" if elastic else "")
         # A Gaussian filter with the combined cutoff equals two successive filters, one at each cutoff.

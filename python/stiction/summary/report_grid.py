@@ -35,7 +35,7 @@ GENERATED_MU0_VALUES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 Reports on generated surfaces have more loads, and therefore fewer mu0 and tau0.
 """
 
-# The slider of tau0 has more steps for measured surfaces (True) than for generated surfaces (False).
+# Maximum number of steps of the slider of tau0: for measured surfaces (True) and for generated surfaces (False).
 MAX_TAU0_STEPS = {True: 6, False: 5}
 MAX_SHOWN_MU0_OR_TAU0 = 9
 MAX_TAU0_OVER_MODULUS = 0.02
@@ -129,7 +129,7 @@ class ReportGrid:
         tables = []
         for kind in self.member_kinds:
             with warnings.catch_warnings():
-                # The report itself marks each tau0 that is large relative to E*, so warnings are suppressed.
+                # Warnings about a large tau0 are suppressed, because the report itself marks each large tau0.
                 warnings.simplefilter("ignore", UserWarning)
                 at = at_load(self.result, self.loads, mu0=mu0, tau0=tau0, member_kind=kind, names=names)
             has_combined = kind != "surrogates"

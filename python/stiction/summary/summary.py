@@ -461,7 +461,8 @@ def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
     The returned list begins with the points at the reported cutoff. The points at the other cutoff are marked as
     covered.
     """
-    # The interval of the coefficient at the first point, at the reported cutoff, covers the points at the other cutoff.
+    # The interval of the coefficient at the reported cutoff, that of the first point, covers the points at the other
+    # cutoff.
     cut_off = points[0].at["cut_off"]
     points_at_other_cutoff = {
         _get_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off
@@ -491,7 +492,7 @@ def _extend_point_to_other_cutoff(point: PointSummary, other_point: PointSummary
         for coefficients in zip(point.rules, other_point.rules, strict=True)
     )
     other_budget = {entry.label: entry for entry in other_point.budget}
-    # With only one or two positions, the interval is infinite or NaN.
+    # With only one or two relative positions of the bodies, the interval is infinite or NaN.
     has_interval = math.isfinite(point.upper - point.lower)
     budget = [_build_entry_of_possible_noise(point)] if has_interval else []
     for entry in point.budget:
