@@ -39,7 +39,7 @@ std::size_t padded_stride(std::size_t count) {
   return ((count + numbers_per_line - 1) / numbers_per_line | 1) * numbers_per_line;
 }
 
-// Two real numbers are packed into one complex number, with the Fourier coefficients z(k), θ = πk/m and m = points/2.
+// Pairs of real numbers form m = points/2 complex numbers with the Fourier coefficients z(k). Let θ = πk/m.
 // For filter factors h(-k) = h(k), the coefficients of the packed result are
 //     y(k) = (a - b sin θ) z(k) + i b cos θ conj(z(m - k)),  a = (h(k) + h(m - k))/2,  b = (h(k) - h(m - k))/2.
 //
@@ -411,7 +411,7 @@ class Filter {
   std::vector<Real> mirrored_;
 };
 
-// Transforms an even sequence of 2m real numbers in place. Only the first m + 1 numbers are given.
+// Fourier transform, in place, of an even sequence of 2m real numbers, of which only the first m + 1 are given.
 class EvenFft {
  public:
   EvenFft(std::size_t half, FftPlans& plans) : half_(half), fft_(plans.get<double>(half)), twiddles_(half + 1) {
@@ -541,7 +541,7 @@ std::vector<double> compliance(const TransformShape& shape, const Grid& grid, do
   return factors;
 }
 
-// Sum the stiffness over the wavenumbers of a small periodic area, at the origin and at its eight neighbours.
+// The weights of the eight neighbours are Fourier sums of the stiffness over the wavenumbers of a small periodic area.
 std::array<double, 9> compute_stencil(const Grid& grid, double effective_modulus) {
   Grid small = grid;
   small.rows = small.columns = stencil_points;

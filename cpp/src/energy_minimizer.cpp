@@ -213,7 +213,7 @@ bool change_gaps(const float* direction, double step, bool yields, std::size_t s
   return *std::max_element(largest.begin(), largest.end()) > 0.0F;
 }
 
-// The function must be negative at 0. Returns `max_argument` if it has no root.
+// The function must be negative at 0. Returns `max_argument` if the function has no root below `max_argument`.
 template <class Function>
 double find_first_root(const Function& function, double value_at_zero, double max_argument) {
   double left = 0.0;
@@ -451,7 +451,7 @@ double EnergyMinimizer::compute_conjugate_direction(MinimizationState& state, do
   return slope;
 }
 
-// A gap of zero stays zero if the residual has the same sign as the gap change.
+// A gap of 0 stays 0 if the residual at the point has the same sign as the change of the gap along the direction.
 EnergyMinimizer::Direction EnergyMinimizer::fix_contact_points(MinimizationState& state, const ThreadPool& pool) {
   const auto edges = sum_rows<Edges>(pool, [&](std::size_t first, std::size_t size, std::size_t gap_index) {
     Edges row = fix_edges(state.gap.data() + gap_index, &residual_[first], small_gap * interface_.range,

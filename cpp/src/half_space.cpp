@@ -99,7 +99,7 @@ double standard_deviation(Values values) {
                    static_cast<double>(values.size()));
 }
 
-// Both grids have the same length. On free grids, the coarser grid consists of every second point of the finer grid.
+// Periodic grids have the same length. On free grids, the coarser grid is every second point of the finer grid.
 double relative_spacing(std::size_t old_points, std::size_t new_points, bool periodic) {
   if (periodic || old_points == new_points) {
     return static_cast<double>(old_points) / static_cast<double>(new_points);
@@ -376,7 +376,7 @@ class LevelSolver {
     return count > 0 ? sum / static_cast<double>(count) : std::numeric_limits<double>::infinity();
   }
 
-  // Select the points within reach of a slightly larger approach, or no points if there are too many.
+  // Select the points that may touch at a slightly larger approach, or no points if a dense matrix would be too large.
   void select_points(double approach) {
     const double lowest_gap = *std::min_element(gap_.begin(), gap_.end());
     max_approach_ = std::max(approach, lowest_gap + selection_approach_ratio * (approach - lowest_gap));
@@ -436,7 +436,7 @@ double product(const double* left, const double* right, std::size_t size) {
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
-// The pressures displace all given points by 1 µm. Conjugate gradients solve the linear system.
+// Return the pressures [GPa] that displace all given points by 1 µm, computed by conjugate gradients.
 // Returns an empty array if a pressure is negative, which round-off may cause at single-point contacts.
 std::vector<double> solve_dense(Values influence, const Grid& grid, const std::vector<std::size_t>& points,
                                 const ThreadPool& pool) {

@@ -290,7 +290,7 @@ void product(const Eigen::Map<const Matrix>& weights, const double* values, doub
 constexpr Index points_per_run = 64;
 static_assert(block % points_per_run == 0);
 
-// Adding the phase difference from point to point would accumulate round-off, so a table is rotated instead.
+// Rotate a table of cosines and sines. Adding the phase difference from point to point would accumulate round-off.
 STICTION_MULTIVERSION
 void rotate_table(const double* table_cos, const double* table_sin, double c, double s, double* cosines,
                   double* sines) {

@@ -161,7 +161,7 @@ Sums sum_chunks(std::size_t count, const ThreadPool& pool, const Work& work) {
   return total;
 }
 
-// Return the shift that gives the pressures, after clipping to their bounds, the given sum.
+// Return the shift for which pressures - shift, clipped to the range from 0 to the bounds, have the given sum.
 // The sum is a decreasing, piecewise linear function of the shift, solved by Newton's method within a bracket.
 double shift_to_sum(std::span<const double> pressure, std::span<const double> bound, double sum,
                     const ThreadPool& pool) {
@@ -400,7 +400,7 @@ double ProjectedCgSolver::approach_from_bounds() const {
   return max_loaded <= min_unloaded ? max_loaded : min_unloaded + 0.5 * (max_loaded - min_unloaded);
 }
 
-// A run of constrained points lies between two free points, given by their positions in `free_points_`.
+// A run of constrained points lies between two free points. `visit` gets the positions of both in `free_points_`.
 // A run that wraps around the edge of the grid is passed as two segments.
 template <class Visit>
 void ProjectedCgSolver::for_each_constrained_run(Visit visit) const {
@@ -470,7 +470,7 @@ std::span<const float> ProjectedCgSolver::step(std::span<const float> preconditi
   restrict_to_free_points(preconditioned);
   conjugate_ = conjugate_ && !response.empty();
   struct Products {
-    // Each step must leave the total load of the free points unchanged, or errors would grow from step to step.
+    // The load changes of the free points must add up to 0 in each step, or errors would grow from step to step.
     double load = 0.0;
     double value = 0.0;
     double step = 0.0;

@@ -1,6 +1,6 @@
 // Matrices and vectors of the library: double precision, row-major. The file values.hpp lists the units.
 //
-// No compiled function of the library has an Eigen array that owns its memory as argument, result or variable.
+// In compiled functions of the library, no argument, result or variable is an Eigen array that owns its memory.
 // Flags such as -mavx change how Eigen allocates memory, and the linker keeps one version of each Eigen function.
 // The function that frees an array could then be incompatible with the function that allocated it.
 #pragma once

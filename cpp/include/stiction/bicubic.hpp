@@ -9,14 +9,14 @@ namespace stiction {
 constexpr Index min_map_points = 4;
 
 /// Replace heights [µm], at least 4 by 4, by the coefficients [µm] of the B-spline that interpolates the heights.
-/// On entry, the inner elements of `coefficients` contain the heights. The outermost rows and columns are only written.
+/// On entry, `coefficients` contains the heights, except in the outermost rows and columns, which are only written.
 void natural_bicubic(Eigen::Ref<Matrix> coefficients);
 
 /// Compute slopes along the rows (x) and, if there are several rows, along the columns (y). `spacing` is (Δx, Δy) [µm].
 void natural_slopes(const MatrixView& heights, const Vector2& spacing, Eigen::Ref<Matrix> along_x,
                     Eigen::Ref<Matrix> along_y);
 
-/// Value [µm] of a spline, and derivatives with respect to x and y in units of the grid spacing.
+/// Value [µm] of a spline, and its derivatives [µm] with respect to x and y, both in units of the grid spacing.
 struct Jet {
   double value;
   double x;

@@ -20,7 +20,7 @@ class DenseKernel {
   /// Throws std::invalid_argument for 2³¹ grid points or more, or if `influence` has not one value per grid point.
   DenseKernel(Values influence, const Grid& grid, std::vector<std::size_t> points);
 
-  /// Return the symmetric matrix [µm/GPa] row by row.
+  /// Return the symmetric matrix of displacements due to unit pressures [µm/GPa], row by row.
   template <class Real>
   std::vector<Real> matrix() const;
 

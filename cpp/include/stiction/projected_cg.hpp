@@ -25,7 +25,7 @@ namespace stiction {
 ///
 /// update_free_points()  ->  residual()  ->  step(M residual, K previous step)  ->  advance(K step)
 ///
-/// M acts on the whole grid, so the residual r is extended to points that are not free, where r·Mr should be small.
+/// M acts on the whole grid, so the residual r is extended to points that are not free, in a way that makes r·Mr small.
 /// On areas, r is set to 0 at points that are not free, which gives nearly the smallest r·Mr.
 /// On lines with short contacts, r is interpolated linearly instead, also across the edges, because M is periodic.
 /// M r is then multiplied by the transpose of the interpolation.

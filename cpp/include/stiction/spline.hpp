@@ -6,7 +6,7 @@
 namespace stiction {
 
 /// Compute slope f' [-] and curvature f'' [1/µm] at every point of the natural cubic spline through `heights` [µm].
-/// At least 4 heights are required, and the outputs must be as long. At both ends of the profile, f'' = 0.
+/// Each output must have as many elements as `heights`, at least 4. At both ends of the profile, f'' = 0.
 void natural_spline(Values heights, double spacing, std::span<double> slope, std::span<double> curvature);
 
 /// Compute slope and curvature of the natural cubic spline only at the points first, first + 1, ... of the outputs.

@@ -87,7 +87,7 @@ struct SlidingFactors {
 
 SlidingFactors sliding_factors(const Vector3& normal, const Vector2& direction);
 
-/// Return the load F_N [mN] upwards on the upper surface, or the load F_T [mN] that starts sliding.
+/// Return the normal load F_N [mN], upwards on the upper surface, or the tangential load F_T [mN] that starts sliding.
 double normal_load(const Sums& sums, double mu0, double tau0 = 0.0);
 double tangential_load(const Sums& sums, double mu0, double tau0 = 0.0);
 
