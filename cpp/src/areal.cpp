@@ -110,7 +110,7 @@ void mark_grid_minima(const double* above, const double* at, const double* below
 // Cells of a map, and the surrounding points that influence the spline in these cells. A tile fits into the cache.
 struct Tile {
   CellRange cells;
-  Index row;  // (row, column) is the first point in the map
+  Index row;  // (row, column) is the position of the tile's first point in the map
   Index column;
   Index rows;
   Index columns;

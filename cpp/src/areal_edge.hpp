@@ -23,7 +23,7 @@ class MapEdges {
  private:
   std::array<double, 4> distance_;  // distance of each side of the parallelogram from the centre of the unit circle
   std::array<std::array<double, 2>, 4>
-      // For each side: tangents of the angles at the circle's centre from the normal of the side to both its ends.
+      // For each side: tangents of the angles from the normal of the side to both ends, seen from the circle's centre.
       corners_;
 };
 

@@ -23,7 +23,7 @@ using std::numbers::pi;
 // In one row, the complex numbers in the columns of a block fill a cache line in single precision.
 constexpr std::size_t columns_per_block = 8;
 constexpr std::size_t prefetch_distance_in_rows = 16;
-// Smaller areas form a single task. If they were divided, threads would mostly wait for each other.
+// An area with fewer values forms a single task, because several threads would wait for each other.
 constexpr std::size_t values_per_task = std::size_t{1} << 15;
 // Sum of the stencil weights, relative to the central weight. Wide contact patches require a small sum.
 constexpr double stencil_sum = 0.04;

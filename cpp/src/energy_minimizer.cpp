@@ -28,7 +28,7 @@ constexpr std::int64_t steps_per_recomputation = 20;
 constexpr std::int64_t max_failed_descents = 3;
 // The task size is fixed, so that sums do not depend on the number of threads.
 constexpr std::size_t extended_values_per_task = std::size_t{1} << 15;
-constexpr std::size_t stress_lanes = 16;  // partial sums, for vectorisation by the compiler
+constexpr std::size_t stress_lanes = 16;  // number of partial sums, for vectorisation by the compiler
 
 using Lanes = std::array<double, stress_lanes>;
 
@@ -68,7 +68,7 @@ struct ResidualSums {
   double absolute_residual = 0.0;
   double pressure = 0.0;
   double attraction = 0.0;
-  double net_pressure = 0.0;  // sum over the original grid
+  double net_pressure = 0.0;  // sum of the net pressures over the original grid
 
   void add(const ResidualSums& other) {
     absolute_residual += other.absolute_residual;

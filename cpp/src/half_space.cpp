@@ -30,7 +30,7 @@ constexpr std::size_t min_points_per_axis = 16;
 constexpr std::size_t max_influence_points = std::size_t{1} << 20;
 // Tolerance of solutions on coarser grids, whose discretisation error is larger than the tolerance.
 constexpr double coarse_tolerance = 3e-3;
-// On an area, the solver starts from the pressures at another load if (larger load) / (smaller load) is at most this.
+// On an area, pressures at another load are used as a start if (larger load) / (smaller load) is at most this number.
 constexpr double max_load_ratio = 1.3;
 constexpr std::int64_t max_iterations = 2000;
 // On coarser grids, the solver may stop early, because the solutions are only starting points.
@@ -99,7 +99,8 @@ double standard_deviation(Values values) {
                    static_cast<double>(values.size()));
 }
 
-// Periodic grids have the same length. On free grids, the coarser grid is every second point of the finer grid.
+// A periodic grid and its coarser grid have the same length in µm.
+// On free grids, the coarser grid consists of every second point of the finer grid.
 double relative_spacing(std::size_t old_points, std::size_t new_points, bool periodic) {
   if (periodic || old_points == new_points) {
     return static_cast<double>(old_points) / static_cast<double>(new_points);
@@ -406,7 +407,7 @@ class LevelSolver {
   std::vector<std::size_t> contact_rows_;
   std::optional<Preconditioner> preconditioner_;
   std::unique_ptr<DenseKernel> selected_points_;  // kernel of the points that can come into contact, if they are few
-  bool selects_all_points_ = false;               // all points with a bound above 0
+  bool selects_all_points_ = false;               // true if all points with a bound above 0 are selected
   double max_approach_ = 0.0;                     // largest approach for which the selection is complete
   bool has_response_ = false;
   bool is_exact_ = false;
@@ -645,7 +646,7 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
     double load;
     double excess;
   };
-  std::array<std::optional<End>, 2> ends;  // below and above the target
+  std::array<std::optional<End>, 2> ends;  // trial loads with an approach below and above the target
   std::optional<bool> previous_above;
   HalfSpaceSolution solution;
   double miss = 0.0;

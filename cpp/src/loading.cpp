@@ -117,7 +117,7 @@ std::vector<double> find_crossings(const BatchFunction& function, Values levels,
     searches.push_back({first, last, last, 0.5, false});
     searches.back().check_convergence(tolerance);
   }
-  constexpr int max_steps = 2000;  // even bisection of the range of all doubles takes fewer steps
+  constexpr int max_steps = 2000;  // bisecting the range of all doubles would take fewer steps
   for (int step = 0; step < max_steps; ++step) {
     std::vector<double> arguments;
     for (const RootSearch& search : searches) {

@@ -11,7 +11,7 @@ namespace stiction {
 namespace {
 
 // Fraction of a cell by which pressure extends beyond the true contact at an open side.
-// On profiles, Westergaard's solution for a sinusoid gives 0.38 ± 0.03 cells per contact, half of it at each side.
+// On profiles, Westergaard's solution for a sinusoid gives 0.38 ± 0.03 cells for both sides of a contact together.
 constexpr double line_side_fraction = 0.19;
 constexpr double area_side_fraction = (std::numbers::pi - 1 + std::numbers::ln2) / 24;
 

@@ -15,7 +15,7 @@
 namespace stiction {
 namespace {
 
-// After a step, the trial length is multiplied by (optimal length) / (trial length), clipped to these limits.
+// After a step, the trial step length is multiplied by (optimal length) / (trial length), clipped to these limits.
 constexpr double min_length_factor = 0.5;
 constexpr double max_length_factor = 2.0;
 constexpr double max_recovery_factor = 100.0;  // largest factor by which steps are lengthened after failed steps
@@ -88,8 +88,8 @@ Moments moments(const float* values, std::int32_t first, std::int32_t count) {
 }
 
 struct SplitLoad {
-  double between = 0.0;   // of points below their bound
-  double at_bound = 0.0;  // of points at their bound
+  double between = 0.0;   // load on points below their bound
+  double at_bound = 0.0;  // load on points at their bound
 };
 
 STICTION_MULTIVERSION
@@ -385,8 +385,8 @@ void ProjectedCgSolver::find_free_points(std::size_t first, std::size_t last, st
   }
 }
 
-// Return an approach at which no point under pressure has a gap, and no point without pressure overlaps.
-// If there is no such approach, the returned value is the mean of the limits of the approach by both conditions.
+// Return an approach at which no point under pressure has a gap and no point without pressure overlaps.
+// If no approach meets both conditions, return the mean of the limits that the conditions set for the approach.
 double ProjectedCgSolver::approach_from_bounds() const {
   double max_loaded = -std::numeric_limits<double>::infinity();
   double min_unloaded = std::numeric_limits<double>::infinity();

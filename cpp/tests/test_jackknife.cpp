@@ -50,7 +50,7 @@ TEST_CASE("jackknife_sums: match sums of single repetitions in extended precisio
   const std::vector<Index> step{1, 3, 2, 2};
   const std::vector<double> fraction{0.25, 1.0, 0.0, 0.7};
   const std::vector<double> slope{0.5, 1.5, 0.0, -2.0};
-  // With few repetitions, leaving one out changes the mean a lot. 300 repetitions do not fill whole chunks.
+  // Leaving out one of few repetitions changes the mean by a large fraction. 300 repetitions do not fill whole chunks.
   for (const Index repetitions : {2, 5, 100, 300}) {
     const Matrix loads = random_values(repetitions, 1);
     const Matrix values = random_values(repetitions, 2);

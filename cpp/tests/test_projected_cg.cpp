@@ -12,7 +12,7 @@ using stiction::ProjectedCgSolver;
 
 namespace {
 
-constexpr double round_off = 1e-6;  // of steps in single precision
+constexpr double round_off = 1e-6;  // relative round-off of steps in single precision
 const std::vector<double> none{std::numeric_limits<double>::infinity()};
 
 // Independent springs: K p = p / stiffness.

@@ -83,7 +83,7 @@ inline std::optional<double> gap_minimum(double slope, double curvature, double 
   // The sign of the curvature selects the form of the quadratic formula that avoids cancellation.
   const double t = curvature >= 0.0 ? -2.0 * slope / (curvature + root) : (root - curvature) / (2.0 * half_rate);
   if (slope < 0.0 && next_slope > 0.0) {
-    // If the slope changes sign from - to +, the interval contains a minimum, and t lies outside only by round-off.
+    // If the slope changes sign from - to +, the interval contains a minimum, and t lies outside it only by round-off.
     return std::clamp(t, 0.0, spacing);
   }
   return t > 0.0 && t < spacing ? std::optional(t) : std::nullopt;

@@ -89,7 +89,7 @@ class ElasticKernel {
 /// Pressures [GPa] that displace the surface of a half-space by given amounts [µm]: the inverse of ElasticKernel.
 ///
 /// A free grid is extended by zero padding to a periodic grid, whose first rows and columns are the original grid.
-/// If the pressure outside the original grid is 0, the displacements in the grid are those of ElasticKernel + constant.
+/// If the pressure is 0 outside the original grid, displacements in this grid are those of ElasticKernel + a constant.
 /// A periodic grid needs no zero padding. A uniform displacement of a periodic surface requires no pressure.
 class StiffnessKernel {
  public:
@@ -112,7 +112,7 @@ class StiffnessKernel {
   void displacement(Values pressures, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 
-  /// Compute displacements [µm]. The compliance for uniform pressure is set to the largest one at any wavelength.
+  /// Compute displacements [µm], with the largest compliance at any wavelength as the compliance for uniform pressure.
   void precondition(std::span<const float> pressures, std::span<float> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 

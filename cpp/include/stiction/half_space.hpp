@@ -70,7 +70,7 @@ struct HalfSpaceSolution {
   double error = 0.0;
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
   /// Potential [µm], that is, gap plus displacement, at the points whose pressure bound is above 0.
-  /// `potential` is empty if there is only one bound, without convergence, or if some displacements were not computed.
+  /// `potential` is empty if all points share one bound, if the solver did not converge, or if displacements are missing.
   std::vector<double> potential;
 };
 
@@ -131,7 +131,8 @@ struct LinearResponse {
   std::vector<double> pressure;  ///< pressures on the grid; the sum of all pressures is 1
 };
 
-/// The compliance is proportional to an energy. Its relative error, about 1e-7, is the square of that of the pressures.
+/// The compliance is proportional to an energy, so its error is of second order in the errors of the pressures.
+/// The relative error of the compliance is about 1e-7.
 LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool> in_contact,
                                const ThreadPool& pool = ThreadPool());
 

@@ -37,7 +37,7 @@ std::vector<HalfSpaceContact> solve_contacts(const HalfSpaceSolver& solver, Step
 /// The pressures of a response are scaled so that their sum is 1.
 struct FixedContactResponse {
   double compliance = 0.0;             ///< displacement of the points [µm/GPa]; 0 at full periodic contact
-  double weighted_displacement = 0.0;  ///< Σ pressure · uniform-pressure displacement [µm/GPa]
+  double weighted_displacement = 0.0;  ///< Σ pressure · (displacement under a uniform pressure of 1 GPa) [µm/GPa]
 };
 
 /// Compute the elastic response of each contact. `contacts` contains the indices of the points of each contact.

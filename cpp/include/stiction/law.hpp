@@ -64,7 +64,7 @@ struct HertzCylinder {
 };
 
 /// An elastic-perfectly plastic sphere: Jackson & Green, J. Tribol. 127 (2005) 343.
-/// Up to 1.9 times the critical interference, Hertz theory applies; above, a fit to finite-element results.
+/// Hertz theory applies up to 1.9 times the critical interference, and a fit to finite-element results above.
 /// The fit is valid for contact radii up to 0.41 R. Between Hertz theory and the fit, the load jumps by less than 1 %.
 struct JacksonGreen {
   double effective_modulus;  ///< E* [GPa] > 0

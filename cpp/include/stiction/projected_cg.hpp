@@ -133,7 +133,7 @@ class ProjectedCgSolver {
   double mean_potential_ = 0.0;
   double step_length_ = 1.0;
   double descent_length_ = 1.0;
-  // Value of `descent_length_` before the last step. It may be restored if a preconditioned step fails.
+  // Value of `descent_length_` before the last step. This value may be restored if a preconditioned step fails.
   double previous_descent_length_ = 1.0;
   int failed_steps_ = 0;  // number of failed preconditioned steps since the last successful step
   int descent_steps_left_ = 0;
