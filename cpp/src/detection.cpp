@@ -150,7 +150,7 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
     const double lower_slope = derivatives.lower_slope[i];
     const double gap = (upper[i] - lower[i]) - zero;
     // With q² = 1 + f'², the osculating sphere has its centre at the offset (-f', 1) q²/f'' from the profile.
-    // The radius of the sphere is q·scale, where scale is q²/f'' for the upper profile and -q²/f'' for the lower profile.
+    // The sphere's radius is q·scale, where scale is q²/f'' for the upper profile and -q²/f'' for the lower profile.
     const double upper_q2 = 1.0 + upper_slope * upper_slope;
     const double lower_q2 = 1.0 + lower_slope * lower_slope;
     const double upper_scale = upper_q2 / derivatives.upper_curvature[i];

@@ -275,7 +275,7 @@ class LevelSolver {
   LevelSolver& operator=(const LevelSolver&) = delete;
 
   ProjectedCgSolver& cg() { return cg_; }
-  // True if the potential was recomputed exactly and no step was taken since then.
+  // True if the potential was recomputed in double precision and no step was taken since then.
   bool is_exact() const { return is_exact_; }
   // True if the potential is known wherever the pressure bound is above 0. Call only if each point has its own bound.
   bool has_all_potentials() const { return !selected_points_ || selects_all_points_; }

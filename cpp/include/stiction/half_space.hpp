@@ -70,7 +70,7 @@ struct HalfSpaceSolution {
   double error = 0.0;
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
   /// Potential [µm], that is, gap plus displacement, at the points whose pressure bound is above 0.
-  /// `potential` is empty if all points share one bound, if the solver did not converge, or if displacements are missing.
+  /// `potential` is empty if all points share one bound, the solver did not converge, or displacements are missing.
   std::vector<double> potential;
 };
 
