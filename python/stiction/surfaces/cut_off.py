@@ -6,7 +6,7 @@ from stiction._checks import check_bool
 from stiction.surfaces.filters import gaussian_low_pass, validate_cutoff
 from stiction.surfaces.surface import AnyBody, as_body
 
-# A longer cutoff would leave fewer than three transmitted wavelengths on the shortest side of a body.
+# Largest cutoff as a fraction of the shortest side: a longer cutoff leaves fewer than three wavelengths on this side.
 MAX_CUTOFF_FRACTION = 1 / 3
 
 

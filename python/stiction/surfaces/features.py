@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 
-# Wolf pruning merges a hill or dale with a neighbour if its height is below this fraction of the maximum height.
+# Wolf pruning merges a hill or dale with a neighbour if its own height is below this fraction of the maximum height.
 PRUNING_FRACTION = 0.05
 NUM_AVERAGED_FEATURES = 5
 

@@ -26,7 +26,8 @@ _FILTER_HALF_WIDTH_IN_CUTOFFS = 1.6
 _MIN_HALF_WIDTH_POINTS = 64
 _MIN_MEASURED_WEIGHT_FRACTION = 1e-6
 _MIN_NORMALISED_PIVOT = 1e-9
-# Scale of Tukey's biweight in median absolute deviations: three standard deviations of normally distributed heights.
+# Scale of Tukey's biweight, as a multiple of the median absolute deviation. For normally distributed heights, this
+# scale equals three standard deviations.
 _BIWEIGHT_SCALE = 4.4478
 _ROBUST_TOLERANCE_IN_BIWEIGHT_SCALES = 1e-4
 _MAX_ROBUST_ITERATIONS = 200
@@ -279,7 +280,7 @@ class _FilterKernel:
             self._weights = np.exp(-((math.pi * self._offset) ** 2) / math.log(2))
             self._weights /= 2 * self._weights.sum() - self._weights[0]
             return
-        # Weights from the inverse transform have exactly the analytic transmission up to the Nyquist wave number.
+        # The inverse transform gives weights with exactly the analytic transmission up to the Nyquist wave number.
         transform_length = next_fast_len(max(self.padded_size, 4 * half_width + 2), real=True)
         self._weights = irfft(
             gaussian_transmission(2 * math.pi * rfftfreq(transform_length), cutoff_in_points), transform_length

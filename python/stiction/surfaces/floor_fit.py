@@ -10,7 +10,7 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# A noise floor is significant if it increases the log-likelihood of the fitted power laws by more than this number.
+# A noise floor is significant if it increases the log-likelihood of the fit of power laws by more than this number.
 MIN_FLOOR_LIKELIHOOD_GAIN = 2.0
 _INITIAL_FLOOR_TO_LOWEST_DENSITY_RATIO = 0.3
 _RELATIVE_LOSS_TOLERANCE = 1e-13
@@ -24,7 +24,7 @@ class BinnedSpectrum(NamedTuple):
 
     log_q: Floats
     density: Floats
-    # Shape parameter of the gamma distribution of the spectral density in each bin.
+    # Shape parameter of the gamma distribution that the spectral density follows, for each bin.
     weight: Floats
     # Spectral density of white noise whose noise level is 1.
     floor: float = 1.0

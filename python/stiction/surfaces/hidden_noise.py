@@ -27,9 +27,9 @@ MAX_FITTED_WAVELENGTH_POINTS = 16.0
 _BINS_PER_OCTAVE = 8
 _MIN_FIT_BINS = 8
 _RELATIVE_MODEL_ERROR = 0.1
-# Spectral exponents of the lines of self-affine surfaces with the Hurst exponents 0 and 2.
+# Spectral exponents of lines of self-affine surfaces, for the Hurst exponents 0 and 2.
 _LINE_SPECTRUM_EXPONENT_RANGE = (1.0, 5.0)
-# The fitted noise may have at most this multiple of the median density at wavelengths below four points along both
+# Maximum ratio of the fitted noise density to the median spectral density at wavelengths below four points along both
 # axes.
 _MAX_FITTED_NOISE_RATIO = 2.0
 

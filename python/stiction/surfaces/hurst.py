@@ -33,11 +33,12 @@ _NUM_EXCLUDED_HARMONICS = 2
 _CHI_SQUARED_QUANTILE_95 = 3.841
 _BINS_PER_DECADE = 12
 _MIN_BINS_PER_PIECE = 4
-# Every measured spectrum deviates from a power law by at least 10 % in each bin.
+# Relative deviation from a power law that is assumed in each bin of a measured spectrum.
 _RELATIVE_MODEL_ERROR = 0.1
-# This penalty is large, because the power law of each piece has three parameters and can begin at any of about 50 bins.
+# Penalty for each piece of a spectrum. It is large, because a piece has three parameters and can begin at any of about
+# 50 bins.
 _SPECTRUM_PIECE_PENALTY = 10.0
-# Random scatter of a spectrum causes a deviance of about 1 per bin; separate peaks cause much larger deviances.
+# Maximum deviance per bin of a fit: random scatter of a spectrum causes about 1, separate peaks cause much more.
 _MAX_DEVIANCE_PER_BIN = 10.0
 _MIN_BAND_WIDTH = math.log(3)  # about half a decade
 _ROLL_OFF_PENALTY = 2.0
@@ -458,7 +459,7 @@ def _remove_noisy_end(
     if not fit.is_significant:
         return selection, piece
     (exponent,), (noise_ratio,) = fit.exponents, fit.ratios
-    # The band ends where noise exceeds the accepted deviation of the density from a power law.
+    # The self-affine band ends where the noise exceeds the accepted relative deviation from a power law.
     max_log_q = math.log(q[selection][-1]) + min(0.0, math.log(_RELATIVE_MODEL_ERROR / noise_ratio) / exponent)
     end_harmonic = int(np.searchsorted(np.log(q), max_log_q, side="right"))
     if (

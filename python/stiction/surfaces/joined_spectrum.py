@@ -17,11 +17,12 @@ from stiction.surfaces.spectrum import surface_spectrum
 from stiction.surfaces.surface import Surface, as_body, parse_lengths, parse_shape
 from stiction.surfaces.surrogates import gaussian_heights, isotropic_spectrum
 
-# At a wavelength of eight points, averaging over a pixel removes 5 % of the power.
+# Shortest wavelength (points) of a scan that is used: averaging over each pixel removes 5 % of its power.
 MIN_POINTS_PER_WAVELENGTH = 8
-# At longer wavelengths, the spectrum of a scan depends on the window function.
+# Longest wavelength of a scan that is used, as a fraction of the side: the window function affects longer wavelengths.
 MAX_WAVELENGTH_TO_SIDE = 1 / 3
-# Opposite wave vectors have equal densities, and the window correlates neighbouring wave vectors.
+# Number of wave vectors per independent density: opposite wave vectors have equal densities, and the window function
+# correlates neighbouring wave vectors.
 _WAVE_VECTORS_PER_INDEPENDENT_VALUE = 4.0
 
 
@@ -137,7 +138,7 @@ class JoinedSpectrum(TextReprMixin):
         rms_values = []
         for power, factor in ((2, 1.0), (4, 0.25)):
             variance_terms = factor * self.wave_number ** (power + 2) * self.density * log_step / (2 * math.pi)
-            # The sum ends at the centre of a bin, so only half of the variance of this bin counts.
+            # The cumulative sum ends at the centre of each bin, so only half of the variance of the last bin counts.
             rms_values.append(np.sqrt(variance_terms.cumsum() - variance_terms / 2))
         return ScaleDependentRoughness(
             wavelength=make_read_only(2 * math.pi / self.wave_number), gradient=make_read_only(rms_values[0]),

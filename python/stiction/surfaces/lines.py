@@ -16,10 +16,10 @@ from stiction.surfaces.roughness import roughness_parameters
 from stiction.surfaces.spectrum import PowerSpectrum, RadialSpectrum, is_within_wavelength_band, power_spectrum
 from stiction.surfaces.surface import Surface, as_body, reject_flat_body
 
-# More lines add little information, because neighbouring lines of a map are correlated.
+# Maximum number of fitted lines of a map: more lines add little information, because neighbouring lines are correlated.
 MAX_FITTED_LINES = 64
 _BOTH_AXES: tuple[LineOrientation, LineOrientation] = ("x", "y")
-# Maximum rms deviation of ln(density) from an accepted power law is the logarithm of this factor.
+# A power law is accepted if the rms deviation of ln(density) from it is at most the logarithm of this factor.
 MAX_POWER_LAW_MISFIT = 1.5
 _MAX_RATIO_OF_EQUAL_BAND_LIMITS = 1.5
 _LOG_MODEL_VARIANCE = 0.04

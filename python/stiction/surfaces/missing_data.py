@@ -24,21 +24,21 @@ The robust standard deviation is 1.4826 times the median absolute deviation.
 """
 # The standard deviation of normally distributed heights is 1.4826 median absolute deviations.
 _MIN_OUTLIER_TO_MEDIAN_DEVIATION_RATIO = MIN_OUTLIER_SIGMAS * 1.4826
-# A larger group of adjacent points is a feature of the surface.
+# Maximum number of adjacent points that count as outliers: a larger group is a feature of the surface.
 MAX_OUTLIER_GROUP_SIZE = 4
 
-# In rounding steps, the median deviation of rounded heights is 0.25 from a mean of neighbours, and 0.21 to 0.33 from a
-# line through neighbours.
+# Median deviation of rounded heights from the mean of their neighbours, in rounding steps. From a line through
+# neighbours, the median deviation is 0.21 to 0.33.
 _MEDIAN_ROUNDING_DEVIATION = 0.25
 _FORM_ROUND_OFF_FRACTION = 1e-10
 _MAX_FLAT_FRACTION = 0.25
 _MIN_ROUGH_FRACTION = 0.02
 
 _WINDOW_WIDTHS = {1: 31, 2: 7}  # points, of profiles and maps
-# The median of three means of neighbours is correct even if an outlier affects one of the means.
+# Minimum number of means of neighbours: with three, an outlier in one of the means does not affect their median.
 _MIN_NEIGHBOUR_ESTIMATES = 3
-# An outlier of a map, compared with at least five lines through two neighbours, may lie near this number of lines by
-# chance.
+# An outlier of a map is compared with at least five lines through two neighbours each. By chance, it may lie near up to
+# this number of the lines.
 _MAX_LINES_NEAR_OUTLIER = 2
 _MAX_OUTLIER_PASSES = 8
 # Index offsets from a point to its neighbours in profiles (1) and maps (2).
@@ -140,7 +140,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
             ]
         deviations = mean_deviations, line_deviations
         ratio = _find_smaller_ratio(deviations, [typical.scan_medians for typical in typical_deviations])
-        # The comparison with local medians can only reject candidates of the whole scan, so other points are left out.
+        # Only candidates from the whole scan are compared with local medians: this comparison only rejects candidates.
         can_be_outlier = is_measured & ~is_outlier & np.isfinite(line_deviations)
         candidates = np.nonzero(can_be_outlier & (ratio > _MIN_OUTLIER_TO_MEDIAN_DEVIATION_RATIO))
         ratio = np.zeros(heights.shape)
@@ -214,7 +214,7 @@ def _find_neighbour_deviations(
     is_known, width = is_measured & np.isfinite(deviations), _WINDOW_WIDTHS[deviations.ndim]
     is_rough = near_rough_region = np.zeros(deviations.shape, np.bool_)
     round_off = _FORM_ROUND_OFF_FRACTION * float(np.ptp(heights[is_measured])) if is_measured.any() else 0.0
-    # A deviation above this limit (µm) is larger than one rounding step.
+    # Deviations of heights above this limit (µm) are larger than one rounding step and than round-off.
     resolution = 1.01 * max(step, round_off)
     if is_known.any() and np.quantile(deviations[is_known], _MAX_FLAT_FRACTION) <= resolution:
         from scipy.ndimage import maximum_filter, median_filter

@@ -30,7 +30,7 @@ from stiction.surfaces.profile import LineOrientation, Profile, Side, select_fro
 from stiction.surfaces.surface import Surface, as_body
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
-# A result with its interval takes one or two seconds to compute for this number of line pairs.
+# Number of line pairs with which a result and its interval take one or two seconds to compute.
 DEFAULT_NUM_LINE_PAIRS = 128
 # The largest shift is the map length divided by this number, so that three quarters of two maps always overlap.
 MAX_SHIFT_DIVISOR = 4
@@ -74,7 +74,7 @@ class LinePairs:
     surrogates: SurrogateBodies = "none"
     seed: int = 2016
     has_several_pairs: bool = False
-    count: int | None = None  # None for an unlimited sequence
+    count: int | None = None  # None for an unlimited number of pairs
 
     def max_pair_count(self) -> int | None:
         """Return the number of different line pairs, or None (unlimited) for pairs of surrogates."""
@@ -275,7 +275,7 @@ class MapPairs:
     image.
     """
 
-    # Map of the upper body after flipping: heights are positive upwards, which is the direction into the body.
+    # Map of the upper body after flipping: heights are positive upwards, and the material lies above the surface.
     upper: Surface
     lower: Surface
     level: SurfaceTrend = "plane"

@@ -18,9 +18,10 @@ ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
 ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic", "circle"]
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
-# Section of the longer body that is kept if two bodies differ in length: the start or the middle.
+# If two bodies differ in length, the part of the longer body that is kept: its start or its middle.
 GridAlignment = Literal["start", "middle"]
-# A fraction of the spacing that allows for round-off: 0.3 µm is point 3 of a grid with a spacing of 0.1 µm.
+# Round-off that is tolerated in grid positions, as a fraction of the spacing: with a spacing of 0.1 µm, 0.3 µm is the
+# position of point 3.
 GRID_POSITION_TOLERANCE = 1e-9
 LEVELLING_ROUND_OFF = 1e-14
 _TREND_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5, "sextic": 6}

@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 AmplitudeMeasure = Literal["height", "Ra", "Rq"]
 Side = Literal["lower", "upper"]
 LineOrientation = Literal["x", "y"]  # rows, columns
-# The heights of a generated body of this size take 0.8 GB of memory.
+# Maximum number of points of a body: the heights of a generated body of this size take 0.8 GB of memory.
 MAX_POINTS = 100_000_000
 MIN_ACCEPTED_SPACING, MAX_ACCEPTED_SPACING = 1e-30, 1e30  # µm, powers do not overflow
-# A natural cubic spline needs two interior points.
+# Minimum number of points of a body: a natural cubic spline needs two interior points.
 MIN_POINTS = 4
 
 

@@ -28,7 +28,7 @@ _MIN_COARSE_POINTS = {1: 64, 2: 16}
 _MAX_COARSE_POINTS = {1: 2048, 2: 128}
 _MAX_REFINEMENTS = 20
 _GAUSS_NEWTON_STEP_FRACTIONS = (1.0, 0.5, 0.25)
-_CONVERGENCE_DISTANCE = 1e-4  # points, of the corners of the upper face
+_CONVERGENCE_DISTANCE = 1e-4  # points, displacement of the corners of the upper face
 _CORRELATION_PEAK_HALF_WIDTH_FRACTION = 0.05
 
 

@@ -24,12 +24,13 @@ from stiction.surfaces.surface import Surface, as_body
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# The powers of smaller heights (µm) underflow.
+# With a smaller height range (µm), powers of the heights would underflow.
 MIN_HEIGHT_RANGE = 1e-70
 MIN_CORRELATION = 0.5
 _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)  # points
 _NUM_STEPS_PER_SMOOTHING_WIDTH = 4
-# After a Gaussian filter with a deviation of one point, white noise counts as independent at this distance (points).
+# White noise after a Gaussian filter, whose standard deviation is one point, has one independent value per this number
+# of points.
 _POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
 _OVERLAP_MARGIN_POINTS = 3
 _NUM_TRIAL_CUTOFFS = 400

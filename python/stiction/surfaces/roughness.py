@@ -29,7 +29,8 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_bo
 
 DerivativeFormula = Literal["seven-point", "neighbours"]
 SEVEN_POINT_WEIGHTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
-# Autocorrelation at which the decay lengths for Sal and Str are measured: the default of ISO 25178-3.
+# Sal and Str are computed from the distances at which the autocorrelation decays to this value, the default of
+# ISO 25178-3.
 DECAY_AUTOCORRELATION = 0.2
 _NUM_DIRECTIONS = 720
 _NUM_SECTORS = 90
@@ -335,7 +336,8 @@ def _compute_developed_area_ratio(heights: Floats, spacing: tuple[float, float])
     """Return the developed area of a height map divided by its projected area, minus 1."""
     area_sum = 0.0
     corner_heights = heights[:-1, :-1], heights[:-1, 1:], heights[1:, :-1], heights[1:, 1:]
-    # Each cell of four points contains four triangles, whose sides along x and y give their slopes.
+    # The four points of a grid cell form four overlapping right triangles. The sides of a triangle along x and y give
+    # its slope.
     for height_change_x in (corner_heights[1] - corner_heights[0], corner_heights[3] - corner_heights[2]):
         for height_change_y in (corner_heights[2] - corner_heights[0], corner_heights[3] - corner_heights[1]):
             squared_gradient = np.square(height_change_x / spacing[1]) + np.square(height_change_y / spacing[0])

@@ -30,35 +30,37 @@ MAX_CURVATURE_TIMES_TIP_RADIUS = 0.1
 _ROUGHNESS_BINS_PER_DECADE = 48
 _NOISE_BINS_PER_OCTAVE = 8
 _FIT_WINDOW_WIDTHS_IN_OCTAVES = (1.0, 2.0)
-# A spectrum contains noise if its exponent is at least this number of standard deviations smaller than for a surface
-# with H = 0.
+# A spectrum contains noise if its exponent is smaller than that of a surface with H = 0 by at least this number of
+# standard deviations.
 _MIN_EXPONENT_DIFFERENCE_IN_STANDARD_DEVIATIONS = 3.0
 _MAX_HUMP_WAVELENGTH_POINTS = 24.0
 _MIN_DENSITY_TO_NOISE_RATIO = 4.0
-# Spectra of real surfaces never rise by this factor above the lowest density at longer wavelengths.
+# At no wavelength does the spectral density of a real surface rise by this factor above the lowest density at longer
+# wavelengths.
 _MIN_DENSITY_RATIO_OF_RISE = 3.0
 # Noise is negligible if it contributes at most this fraction of the mean square slope of a scan.
 MAX_NEGLIGIBLE_NOISE_FRACTION = 0.1
-# With this ratio, a Gaussian filter transmits 8 % of the amplitude at the removed wavelength.
+# A Gaussian filter with a cutoff of this multiple of a wavelength transmits 8 % of the amplitude at the wavelength.
 CUTOFF_TO_REMOVED_WAVELENGTH_RATIO = 1.9
 _MIN_SLOPE_FRACTION = 1e-4
 _MIN_ALIASED_SURFACE_EXPONENT = 0.6
-# In 1080 generated profiles of turned surfaces (feeds of 15 to 500 points), this limit saves 14 of 22 false detections
-# of noise.
+# In 1080 generated profiles of turned surfaces (feeds of 15 to 500 points), this limit prevents 14 of 22 false
+# detections of noise.
 _MIN_TEXTURED_SURFACE_EXPONENT = 0.8
-# Heights are regarded as quantised if rounding explains at least this fraction of the mean square second difference.
+# Heights count as quantised if rounding explains at least this fraction of their mean square second difference.
 _MIN_QUANTISATION_FRACTION = 0.3
-# Maximum absolute spectral exponent of a flat spectrum, and maximum rms deviation of ln(density) from its mean.
+# A spectrum counts as flat if the absolute value of its exponent, and the rms deviation of ln(density) from its mean,
+# are at most this number.
 _MAX_FLAT_EXPONENT = 0.35
 # A noise floor may be steeper than a flat spectrum, because the surface contributes to its longer wavelengths.
 _MAX_FLOOR_EXPONENT = 0.7
 _PURE_NOISE_WAVELENGTH_FRACTION = 0.7
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
 _MAX_EQUAL_NOISE_RATIO = 2.0
-# A spectrum can hide noise of a slightly higher density, because of random scatter.
+# Minimum ratio of the density of a spectrum to the density of noise that it hides: below 1, because of random scatter.
 _MIN_HIDING_DENSITY_RATIO = 0.8
-# With fewer independent lines, neighbouring lines share their noise, like rows with offsets, so the other axis does not
-# hide this noise.
+# With fewer independent lines, the noise of neighbouring lines is equal, as in rows with offsets, so the spectrum along
+# the other axis does not hide this noise.
 _MIN_INDEPENDENT_LINES = 8.0
 _MIN_EXTRAPOLATION_RATIO = 1e-6
 _NUM_BISECTION_STEPS = 60
@@ -646,7 +648,7 @@ def _find_noise_and_texture(
         return _NoiseAndTexture(math.nan, kind, 0.0, period)
     is_unattributed = q * wavelength_limit > 2 * math.pi
     mean_square_slope = float((np.square(q) * density)[is_unattributed].sum() * (q[1] - q[0]) / math.pi)
-    # A noise floor is white: its density at all wave numbers is the mean density at the largest wave numbers.
+    # The noise is assumed to be white: its density everywhere is the mean density at the largest wave numbers.
     if kind in INSTRUMENT_REASONS:
         floor_density = float(density[q * math.sqrt(2) > q[-1]].mean())
         mean_square_slope = min(mean_square_slope, floor_density * float(np.square(q).sum() * (q[1] - q[0])) / math.pi)

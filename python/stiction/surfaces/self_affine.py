@@ -258,7 +258,7 @@ def self_affine_surface(
         min((size - 1) // 2, int(extent / shortest * ROUND_OFF_FACTOR))
         for size, extent in ((columns, extent_x), (rows, extent_y))
     ]
-    # In the order 0, 1, -1, 2, -2, a wave vector gets the same random number on every grid size.
+    # The order j = 0, 1, -1, 2, -2 gives a wave vector the same random number on grids of all sizes.
     order = np.arange(1, 2 * max_orders[1] + 2)
     j = np.where(order % 2 == 0, order // 2, -(order // 2))
     transform = np.zeros((rows, columns // 2 + 1), dtype=np.complex128)

@@ -19,7 +19,8 @@ BodyLike = Any
 
 # Names of amplitudes in the C++ core, which processes the heights of a map in the same way as a profile.
 _CPP_MEASURE_NAMES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
-# Fourth powers of smaller height ranges (µm) underflow, and fourth powers of ranges above the reciprocal overflow.
+# Smallest height range (µm): the fourth power of a smaller range underflows, and that of a range above the reciprocal
+# overflows.
 _MIN_BODY_HEIGHT_RANGE = 1e-50
 
 

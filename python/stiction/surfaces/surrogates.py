@@ -13,7 +13,7 @@ from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_s
 from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, reject_flat_body
 
 _RINGS_PER_DECADE = 12
-# The smoothness penalty dominates in rings with fewer harmonics than this number.
+# Weight of the smoothness penalty, which dominates the fit in rings with fewer harmonics than this number.
 _SMOOTHNESS_PENALTY = 2.0
 _DENSITY_ROUND_OFF_FRACTION = 1e-14
 # About ten iterations are usually enough to fit the spectrum of a surrogate.
@@ -235,7 +235,7 @@ def isotropic_surface(
     edges, density, _ = _fit_ring_densities(profile, periodic)
     q_y, q_x = (2 * math.pi * np.fft.fftfreq(points, profile.spacing) for points in (rows, columns))
     q = np.hypot(q_y[:, np.newaxis], q_x)
-    # Index 0 stands for wavelengths longer than the profile.
+    # Ring index 0 stands for wavelengths longer than the profile.
     ring_index = np.searchsorted(edges, q, side="right")
     power = np.concatenate([[0.0], density, density[-1:]])[ring_index] * (rows * columns / profile.spacing**2)
     history_entry = f"an isotropic surface of its spectrum, seed {seed}, repetition {repetition}"
@@ -250,7 +250,7 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
     rows, columns = power.shape
     random_values = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
     phases, uniform_numbers = random_values[:, :columns], random_values[:, columns:] / (2 * math.pi)
-    # Only the real part is used, which has half of the power, so the power is multiplied by 2.
+    # The real part of the transform, which gives the heights, has half of the power, so the power is multiplied by 2.
     coefficients = np.sqrt(-2 * power * np.log1p(-uniform_numbers)) * np.exp(1j * phases)
     return np.asarray(ifft2(coefficients, overwrite_x=True).real)
 
@@ -274,7 +274,7 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
     wave_count = np.bincount(bin_index, spectrum.count).astype(np.float64)
     measured_density = np.bincount(bin_index, spectrum.count * spectrum.density) / wave_count
     measured_density = np.maximum(measured_density, _DENSITY_ROUND_OFF_FRACTION * measured_density.max())
-    # Further rings cover the corners of the grid, where both wave numbers reach the Nyquist wave number.
+    # A further ring covers the corners of the Fourier grid, where both wave numbers approach the Nyquist wave number.
     edges = np.append(edges, math.sqrt(2) * nyquist_wave_number * (1 + 1e-9))
     # Mean spectral density of a line in each bin, if the density of the surface is 1 in a single ring and 0 elsewhere.
     transverse_wave_number = np.minimum(

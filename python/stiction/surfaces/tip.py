@@ -13,7 +13,8 @@ from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, reject_missing_points
 from stiction.surfaces.surface import Surface, as_body
 
-# The tip touches a point if their gap is at most this fraction of the height range or of the largest absolute height.
+# The tip touches a point if the gap between them is at most this fraction of the height range or of the largest
+# absolute height.
 _TIP_CONTACT_TOLERANCE = 1e-9
 
 

@@ -108,7 +108,7 @@ def _format_shortened_list(shortened_list: ShortenedList) -> str:
     lines = line_texts[:num_shown]
     if num_omitted > 0:
         omitted_noun = shortened_list.noun + "s" * (num_omitted > 1)
-        # The user may copy the command, so its line is not wrapped.
+        # The line is not wrapped, because the user may copy the command in it.
         lines.append(f"  {num_omitted} more {omitted_noun}: {shortened_list.complete_command} shows all")
     return "\n".join(lines)
 

@@ -172,7 +172,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
     frames: list[pandas.DataFrame] = []
     for name, motion_label in _COEFFICIENT_COLUMNS.items():
         if name not in dataset or (name != "mean_friction" and frames and motion_label not in dataset[name].dims):
-            # With a single direction, the coefficients by direction equal the mean coefficients, and get no columns.
+            # With a single direction of motion, coefficients by direction equal the mean and get no columns.
             continue
         selected_rows = _quantity_rows(dataset, name)
         coordinate_names = coordinate_names or [
@@ -358,7 +358,7 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         "at": point.at,
         "ranges": {name: find_covered_range(point, name) or None for name in ("mu0", "tau0")},
         "cutoffs": None if point.cutoffs is None else _build_body_fields(map(list, point.cutoffs)),
-        # False for a point at a further cutoff, which the interval of a reported point already covers.
+        # False for a result point at a further cutoff, because the interval of a reported point already covers it.
         "reported": not point.covered,
         "status": point.status,
         "rules": [
@@ -390,7 +390,7 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         "assessment": point.assessment,
         "sentence": quotable_sentence(point),
         "roughness_contribution": point.roughness_contribution,
-        # False if tests determine only the sum μ0 + τ0 A/F, so that many pairs of mu0 and tau0 are possible.
+        # False if friction tests determine only the sum μ0 + τ0 A/F, so that many pairs of mu0 and tau0 are possible.
         "strengths_separated": point.are_strengths_separated,
         "assumptions": _list_assumptions_in_file(point),
         "interval_covers": covered_inputs_text(point),

@@ -41,8 +41,8 @@ MAX_YIELDED_LOAD_FRACTION = 0.5
 MAX_INITIAL_AREA_FRACTION = 0.5
 # Largest peak friction coefficient that Barton and Choubey (1977) recommend for use in design.
 MAX_DESIGN_PEAK_COEFFICIENT = math.tan(math.radians(70))
-# Registered faces get a caveat if their rms gap exceeds this multiple of its noise, and this fraction of Z2 times the
-# sampling interval.
+# Registered faces get a caveat if their rms gap exceeds this multiple of the noise in the gap, and this fraction of the
+# product of Z2 and sampling interval.
 MAX_GAP_NOISE_RATIO, MIN_GAP_TO_HEIGHT_CHANGE_RATIO = 3.0, 0.01
 MIN_FIT_CORRELATION = 0.5
 
@@ -476,7 +476,7 @@ def shear_parameters_csv(test: xarray.Dataset, units: UnitSystem) -> str:
             columns[titles["lower"]] = [estimate.lower for estimate in estimates]
             columns[titles["upper"]] = [estimate.upper for estimate in estimates]
     frame = pandas.DataFrame(columns)
-    # Closures are counted from first contact, at a pressure of 0.
+    # Closures are measured from the first contact of the faces, at a pressure of 0.
     frame[closure_start_title(rows[-1]["normal_stress"])] = 0.0
     frame["intervals"] = _interval_text(test.attrs)
     return frame_to_csv(frame)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INCHES_PER_MILLIMETRE = 1 / 25.4
-# Widths in mm. The smallest text of a figure that fits into one column has 6 pt.
+# Widths (mm) of figures for one column and for the full page. In one column, the smallest text has 6 pt.
 COLUMN_WIDTH = 80.0
 PAGE_WIDTH = 170.0
 MIN_LENGTH_IN_MILLIMETRES = 1000.0  # µm
@@ -43,7 +43,7 @@ MATPLOTLIB_STYLE: dict[Any, Any] = {
     # With a constant salt, equal figures give identical files.
     "svg.hashsalt": "stiction",
     "axes.unicode_minus": True,
-    # Without these settings, `Figure.set_layout_engine` creates the engine that a user's settings demand.
+    # These settings prevent `Figure.set_layout_engine` from creating the engine that a user's settings demand.
     "figure.autolayout": False,
     "figure.constrained_layout.use": False,
 }
@@ -216,7 +216,7 @@ def render_figure(figure: Figure, file_format: str) -> bytes:
     with mpl.rc_context(MATPLOTLIB_STYLE):
         if file_format == "png":
             write_png(figure, content, dpi=figure.dpi, metadata=metadata[file_format])
-            figure.set_layout_engine(None)  # The axes are placed for files of other formats, too.
+            figure.set_layout_engine(None)  # keeps the axes placed, as `place_axes` does
         else:
             place_axes(figure)
             figure.savefig(content, format=file_format, metadata=metadata[file_format])

@@ -151,8 +151,8 @@ class DecodedText:
             remainder, mark_count = self.missing_word_pattern.subn(b"", self.raw_line(line_number))
             is_numeric_row = mark_count and not remainder.translate(None, NUMERIC_CHARACTERS)
             kinds[line_number] = NUMBER_LINE_CODE if is_numeric_row else TEXT_LINE_CODE
-        # A line of asterisks or dashes marks a row of missing points between rows of numbers, and a new section
-        # elsewhere.
+        # Between rows of numbers, a line of asterisks or dashes marks a row of missing points. Elsewhere, such a line
+        # marks a new section.
         nonblank_lines = np.flatnonzero(kinds != BLANK_LINE_CODE)
         is_ruler = (kinds[nonblank_lines] == TEXT_LINE_CODE) & (
             bits[nonblank_lines] & (_NON_NUMBER_CHARACTER_BIT | _DIGIT_BIT) == 0

@@ -16,9 +16,9 @@ from stiction.surfaces.measured.layouts import WORKBOOK_LAYOUTS
 from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, ColumnTable, FormatError, HeightChannels, read_member_chunks
 from stiction.surfaces.measured.sheet_table import _find_numeric_columns, parse_sheet
 
-# A height takes four XML tags, so a workbook may have 2.5 million heights.
+# Maximum number of XML tags in a workbook: four tags for each of 2.5 million heights.
 MAX_WORKBOOK_TAGS = 10_000_000
-# Each of the 16 384 possible columns may have eight XML tags; the limit bounds the memory.
+# Maximum number of XML tags per row, eight for each of 16 384 possible columns, which limits the required memory.
 MAX_TAGS_PER_ROW = 8 * 16_384
 _UNEVALUATED_FORMULA_TEXT = "unevaluated formula"
 _UNEVALUATED_FORMULA_PATTERN = re.compile(
@@ -118,7 +118,7 @@ def _check_archive(data: bytes) -> bool:
         remaining_bytes, tag_count = MAX_TEXT_BYTES, 0
         for name in archive.namelist():
             end_of_chunk = b""
-            # Before the first row, any number of tags is accepted, because files other than sheets have no rows.
+            # Before the first row, the number of tags is not limited: a workbook also contains files without rows.
             tags_in_row = -math.inf
             for chunk in read_member_chunks(archive, name, remaining_bytes):
                 remaining_bytes -= len(chunk)

@@ -9,13 +9,13 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.surfaces.measured.raw import MAX_DECLARED_NUMBER, FormatError
 
-# Positions within this distance of a uniform grid, in grid steps, count as exact.
+# Positions count as exact if their distance from the nodes of a uniform grid is at most this fraction of a grid step.
 EXACT_POSITION_TOLERANCE = 1e-3
 MAX_GRID_OFFSET = 0.05  # grid steps
 MAX_NODES_PER_POINT = 4
 MIN_STEP_OF_ROUNDED_POSITIONS = 2.0
-# In units of the last printed digit, rounding displaces positions by up to 1, and the error of the fitted step adds
-# 0.2.
+# Maximum deviation of positions from a grid, in units of the last printed digit: 1 due to rounding, and 0.2 due to the
+# error of the fitted step.
 MAX_SCATTER_DIGITS = 1.2
 # The smallest gap between grid points must be at least this many times the largest gap that rounding causes.
 MIN_GRID_GAP_RATIO = 4.0

@@ -693,7 +693,7 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
             or (_find_unknown_unit(cell) if names_end_with_units else None)
             for cell, word in zip(cells, last_words, strict=True)
         )
-    # All columns have the same unknown unit, as in "x foo; z foo".
+    # The same unknown unit may follow all column names, as in "x foo; z foo".
     if cells is not None and len(set(map(_find_unknown_unit, cells))) == 1:
         return tuple(map(_find_unknown_unit, cells))
     units = _find_units(name_line)

@@ -43,9 +43,9 @@ The spacing then has a relative error of at most 1/1000.
 """
 
 _SPACING_RANGE = (1e-6, 1e6)
-# A larger length or height (µm) has a wrong unit or marks a missing point.
+# Largest plausible length or height (µm): a larger number has a wrong unit or marks a missing point.
 _MAX_LENGTH = 1e9
-# Codes for missing points that are stored in single precision have a relative rounding error of at most this number.
+# Largest relative rounding error of a code for missing points that is stored in single precision.
 MISSING_CODE_TOLERANCE = 1e-6
 _Length = TypeVar("_Length", float, Floats)
 
@@ -65,7 +65,7 @@ class ReadOptions:
     codes: tuple[float, ...] = ()  # in the unit of the file
     words: tuple[str, ...] = ()
     accept: tuple[str, ...] = ()
-    # True if the caller gives one unit for the heights, and for positions whose unit the file does not state.
+    # True if the caller gives one unit, for the heights and for all positions whose unit the file does not state.
     one_unit: bool = False
 
 
@@ -316,7 +316,7 @@ def _choose_position_unit(raw: RawHeights, options: ReadOptions) -> str | None:
 
 def _to_micrometres(values: _Length, unit: str) -> _Length:
     factor = LENGTH_UNITS[unit]
-    # For a factor such as 1e-3, division by 1000 converts 100 nm to exactly 0.1 µm.
+    # Division by 1000 converts 100 nm to exactly 0.1 µm, unlike multiplication by 1e-3.
     return values / round(1 / factor) if factor < 1 else values * factor
 
 

@@ -17,18 +17,19 @@ from stiction.surfaces.measured.raw import FileCaveat, FormatError
 
 MIN_GRID_POINTS = 9
 MAX_GRID_NODES_PER_LISTED_POINT = 2
-# A list of points may have columns of coordinates, colours, intensity and normal.
+# Maximum number of columns in a list of points, such as coordinates, colours, intensity and surface normal.
 MAX_POINT_COLUMNS = 12
 MIN_POINT_ROWS = 12
 MAX_STATISTIC_LINES = 6
-# In standard deviations of the heights: larger than the effect of rounding, smaller than the deviation of a measured
-# row.
+# Tolerance of statistics in a matrix, in standard deviations of the heights: larger than the effect of rounding, and
+# smaller than the deviation of a measured row.
 MAX_STATISTIC_DEVIATION = 2e-3
 MAX_WRAPPED_COLUMNS = 32
 MIN_WRAPPED_LINES = 3
-# A possibly wrapped profile gets no caveat if it is more than this many times as likely to be a map.
+# A matrix gets a caveat about a wrapped profile, unless a map is more than this many times as likely.
 MAX_LIKELIHOOD_RATIO = 100.0
-# The search for a wrapped profile ignores heights beyond this number of median deviations from the median height.
+# The search for a wrapped profile ignores heights that differ from the median height by more than this multiple of the
+# median deviation.
 MAX_DEVIATION_IN_LINES = 8.0
 # In a wrapped profile, neighbours in a column have a larger mean square difference than neighbours in a line.
 MIN_COLUMN_TO_LINE_DIFFERENCE_RATIO = 2.0
@@ -155,7 +156,7 @@ def _find_statistics(values: Floats) -> str | None:
     for axis, line_kind in ((0, "row"), (1, "column")):
         lines = values if axis == 0 else values.T
         for side, ordered_lines in (("last", lines), ("first", lines[::-1])):
-            # All columns are checked only if a few agree with a statistic: most matrices contain no statistics.
+            # A few columns are checked first, and all columns only if these agree: most matrices contain no statistics.
             sample = np.linspace(0, lines.shape[1] - 1, min(8, lines.shape[1])).astype(int)
             for count in range(1, min(MAX_STATISTIC_LINES, lines.shape[0] - 4) + 1):
                 name = _find_statistic_name(ordered_lines[:, sample], count)
@@ -173,7 +174,7 @@ def _find_statistic_name(lines: Floats, count: int) -> str | None:
     if not np.isfinite(lines).all():
         return None
     tolerance = MAX_STATISTIC_DEVIATION * float(heights.std())
-    # Lines of equal numbers are no evidence of statistics, because equal numbers always agree with their statistics.
+    # Lines of equal heights are no evidence of statistics, because equal heights always equal their mean.
     if min(float(np.median(np.ptp(heights, axis=0))), float(np.ptp(last_line))) <= 50 * tolerance:
         return None
     for name, statistic in _SUMMARY_STATISTICS:
@@ -206,7 +207,7 @@ def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
         return ()
     difference_ratio = difference_across / difference_along
     num_wraps = np.count_nonzero(np.isfinite(steps_at_wrap))
-    # Log-likelihood ratio of map to wrapped profile, if differences of neighbouring heights are normally distributed.
+    # Logarithm of (likelihood of a map) / (likelihood of a wrapped profile), for normal distributions of differences.
     log_likelihood_ratio = (
         num_wraps / 2 * (difference_at_wrap / difference_along * (1 - 1 / difference_ratio) - np.log(difference_ratio))
     )

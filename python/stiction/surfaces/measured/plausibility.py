@@ -17,7 +17,7 @@ from stiction._repr import format_with_unit
 from stiction.surfaces.measured.raw import FileCaveat
 
 MIN_MISSING_CODE_REPEATS = 2
-# Distances of a code for missing points from all other heights are relative to the range of these heights.
+# Minimum distance of a code for missing points from all other heights, as a multiple of the range of these heights.
 MIN_MISSING_CODE_DISTANCE = 2.0
 MIN_REPEATED_CODE_DISTANCE, MIN_KNOWN_CODE_DISTANCE = 0.5, 0.25
 KNOWN_MISSING_CODES = frozenset(
@@ -37,9 +37,9 @@ MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4
 # Zeros are unusually frequent above 2 m + MIN_ZERO_DEVIATIONS · sqrt(2 m) + MIN_ZEROS, where m is the largest mean
 # frequency of the nearest 1, 3 and 12 heights on each side of 0.
 MIN_ZERO_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
-# With a larger fraction of repeated rows, a map is probably a profile that was extended along y.
+# If a larger fraction of the rows of a map are repeated, the map is probably a profile that was extended along y.
 MAX_REPEATED_ROWS = 0.9
-# A run of equal heights in a profile gets a caveat if rounding causes it with a probability of at most 1e-4.
+# A run of equal heights in a profile gets a caveat if the probability that rounding causes it is at most 1e-4.
 MIN_EQUAL_RUN_LENGTH, MAX_RUN_PROBABILITY = 8, 1e-4
 # A height range that is a power of 1000 (within 10 %) smaller than declared indicates a wrong unit.
 MAX_RATIO_TO_DECLARED_HEIGHT_RANGE, MAX_UNIT_FACTOR_DEVIATION, UNIT_FACTOR = 10.0, 0.1, 1000.0
@@ -53,8 +53,8 @@ class ScannedHeights:
 
     heights: Floats
     spacing: tuple[float, ...]  # µm, along y and x
-    factor: float = 1.0  # from numbers in the file to µm
-    # False for heights passed as an array: they may be computed, so that some checks do not apply.
+    factor: float = 1.0  # number in the file to µm
+    # False for heights passed as an array: some checks do not apply, because the heights may have been computed.
     from_file: bool = True
     declared_range: float | None = None  # µm, stated in the header
     # True for heights read from text, where whole numbers may be counts of an analogue-to-digital converter.
@@ -141,7 +141,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
     if near_sample.size > MIN_DISTINCT_HEIGHTS and not has_gap:
         return []
     is_far = (heights < median - max_near_deviation) | (heights > median + max_near_deviation)
-    # If the largest gap between the sorted heights of a subset is small, no height can be a code for missing points.
+    # A code for missing points leaves a large gap between the sorted heights; without such a gap, there is no code.
     gaps = np.diff(np.sort(np.concatenate([heights[is_far], [near_sample.min(), near_sample.max()]])))
     if not is_far.any() or (near_sample.size > MIN_DISTINCT_HEIGHTS and not (gaps > max_gap).any()):
         return []

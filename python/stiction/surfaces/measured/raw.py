@@ -48,7 +48,7 @@ _LEADING_NUMBER_PATTERN = re.compile(
 """Regular expression for a decimal number, which a unit may follow. Hexadecimal and incomplete numbers do not match."""
 
 _ARCHIVE_CHUNK_SIZE = 1 << 16
-# ZIP compression methods that can be decompressed in pieces of limited size.
+# Compression methods of ZIP archives whose content can be decompressed in pieces of limited size.
 _COMPRESSION_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
@@ -136,7 +136,7 @@ class UnclearSpacing:
     """
 
     line: str
-    # Lengths (µm) in the header line: one length, or one length for each axis in unknown order.
+    # Lengths (µm) that the header line contains: one for both axes, or one for each axis in an unknown order.
     lengths: tuple[float, ...] = ()
 
 
@@ -176,7 +176,7 @@ class RawHeights:
     history: tuple[str, ...] = ()
     source: HeightProvenance = HeightProvenance()
     codes: tuple[float, ...] = ()
-    factor: float | None = None  # from numbers in the file to `unit`
+    factor: float | None = None  # number in the file to `unit`
     bare_spacing: tuple[float, ...] | None = None
     unclear_spacing: UnclearSpacing | None = None
     height_range: DeclaredLength | None = None
@@ -211,7 +211,7 @@ class ColumnTable:
     history: tuple[str, ...] = ()
     is_array: bool = False
     source: HeightProvenance = HeightProvenance()
-    # For each column of the table, its number in the file; None if the file has no other columns.
+    # For each column of the table, the number of the column in the file; None if the table has all columns of the file.
     places: tuple[int, ...] | None = None
     # Number of rows and first line (counted from 1) of each block, if empty lines divide the text into blocks of rows.
     block_lengths: tuple[int, ...] = ()

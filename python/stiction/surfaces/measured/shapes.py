@@ -54,10 +54,11 @@ MAX_SELECTED_PROFILE_COLUMNS = 3  # x, y and z
 MIN_JITTERED_POSITIONS = 8
 MAX_RELATIVE_STEP_DEVIATION = 0.5
 MIN_TILT_CORRELATION = 0.98
-# The first number of a column gets a caveat if it has fewer decimals than each of at least this many heights below it.
+# The first number of a column is compared with this many heights below it. It gets a caveat if it has fewer decimals
+# than all of them.
 MIN_COMPARED_NUMBERS = 20
-# With steps of fewer than three units of the last printed digit, coarsely rounded heights could have equal steps by
-# chance.
+# Minimum step of evenly spaced numbers, in units of the last printed digit: smaller steps of coarsely rounded heights
+# may be equal by chance.
 MIN_STEP_IN_LAST_DIGITS = 3.0
 NameOrIndex = str | int
 
@@ -71,7 +72,7 @@ _NUMBERING_NAME_PATTERN = LazyPattern(
 )
 _VALIDITY_COLUMN_PATTERN = LazyPattern(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0)\b.*|.*[\[(]1/0[\])]", re.I)
 _INVALIDITY_COLUMN_PATTERN = LazyPattern(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
-# Names of flag columns that do not show whether 1 means valid or invalid.
+# This pattern matches names of flag columns that do not say whether 1 means valid or invalid.
 _FLAG_COLUMN_PATTERN = LazyPattern(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
 # This pattern matches a multiple of a unit, such as "10 nm" but not "1 nm".
 _NUMBERED_UNIT_PATTERN = LazyPattern(r"(?!1(?:[.,]0*)?\s*[^\W\d_]+$)(?=.*[0-9]).+")
@@ -125,7 +126,7 @@ def _find_column_or_channel_index(
     """Return the index of the column or channel that the caller selects by name or number."""
     text = str(selected).strip()
     normalising_functions: list[Callable[[str], str]] = [lambda name: name, lambda name: name.casefold()]
-    # "Height (trace)" ends with a remark, not with a unit.
+    # Parentheses may contain a remark instead of a unit, as in "Height (trace)".
     if "(" not in text or is_unit(unit_in_column_name(text) or ""):
         normalising_functions.append(_remove_unit_from_name)
     for normaliser in normalising_functions:

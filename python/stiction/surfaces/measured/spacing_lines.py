@@ -51,7 +51,7 @@ _SPACING_PATTERN = LazyPattern(
 _UNQUALIFIED_NAME_PATTERN = LazyPattern(r"(?:scan[\s_-]*)?(?:step|pitch|interval|abstand)", re.IGNORECASE)
 """Regular expression for names that may also denote other lengths, such as the pitch of a grating."""
 
-# A "sample spacing" above this limit (µm) may be the distance between specimens.
+# If a "sample spacing" exceeds this length (µm), it may be the distance between specimens.
 MIN_SPECIMEN_DISTANCE = 100.0
 
 _POINTS_REMARK_PATTERN = LazyPattern(
@@ -214,7 +214,7 @@ def _parse_spacing_line(
         # The line may declare a height resolution in nm per bit instead of a length.
         return None
     if is_resolution and not any(number_groups[2] for number_groups in declared_numbers):
-        # The line declares the resolution of the instrument, not the spacing.
+        # The line declares the resolution of the instrument instead of the spacing of the points.
         return None
     units = [number_groups[1] or declared_numbers[-1][1] or bracketed_unit for number_groups in declared_numbers]
     lengths = [

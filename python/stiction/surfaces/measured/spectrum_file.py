@@ -20,8 +20,8 @@ from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FormatError
 WAVE_NUMBER_COLUMN, DENSITY_COLUMN, WAVE_COUNT_COLUMN = "wave number (1/um)", "C2D (um4)", "waves"
 """Column names of a spectrum file. Tables from other programs need not have the last column."""
 
-# Prefixes of two columns for each scan: fraction of wave vectors, and ratio of the scan's density to the joined
-# density.
+# Prefixes of the names of two columns for each scan: the fraction of wave vectors that the scan contributes, and the
+# ratio of the scan's spectral density to the joined density.
 WAVE_VECTOR_FRACTION_COLUMN_PREFIX, DENSITY_RATIO_COLUMN_PREFIX = "fraction of ", "power over the joined of "
 _SCAN_LINE_PATTERN = re.compile(
     r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)"

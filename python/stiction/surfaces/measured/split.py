@@ -95,7 +95,7 @@ _DIALECTS_WITHOUT_THOUSANDS_SEPARATOR = [
     Dialect("\t", "."), Dialect("\t", ","), Dialect(";", "."), Dialect(";", ","), Dialect("|", "."), Dialect("|", ","),
     Dialect(",", "."), Dialect(None, "."), Dialect(None, ","),
 ]  # fmt: skip
-# Commas may separate cells and mark decimals only if the cells are quoted.
+# A comma can be both the separator of cells and the decimal mark only if the cells are quoted.
 _QUOTED_DIALECTS = [Dialect(",", ",")]
 _THOUSANDS_DIALECTS = [
     Dialect(separator, point, thousands)
@@ -333,7 +333,7 @@ def parse_number_block(
     starts, row_widths = stiction._core.find_rows(blob, cell_separator.decode())
     usual_width = Counter(row_widths.tolist()).most_common(1)[0][0]
     if usual_width == 1 and row_widths.max() == 2 and (row_widths == 2).sum() > 1:
-        # The table has two columns, but in most rows the height is missing.
+        # Most rows have one cell, but the table has two columns: in these rows, the height is missing.
         usual_width = 2
     if usual_width > MAX_CELLS_PER_LINE:
         raise FormatError(
@@ -455,7 +455,7 @@ def _to_plain_rows(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> t
 
 
 _MISSING_MARK_PATTERN = re.compile(rb"(?<![^\s;,|\"])(?:\*{1,40}|-{2,40})(?![^\s;,|\"])")
-# The bytes of "--" as an integer are equal in both byte orders.
+# The two bytes of "--" as one integer, which is the same in both byte orders.
 _TWO_DASHES_AS_INTEGER = int.from_bytes(b"--", "little")
 _BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")
 

@@ -42,15 +42,16 @@ MAX_HISTORY_ENTRY_CHARACTERS = 1000
 MAX_HISTORY_STEPS = 1000
 
 
-# Other lines of numbers above or below a table number at most 2 plus this fraction of the table's lines.
+# Above or below a table, at most 2 other lines of numbers are accepted, plus this fraction of the table's line count.
 MAX_FOOTER_FRACTION = 0.1
 
 
-# A last number that is cut off is reported if at least this many numbers above it have equally many decimals.
+# The last number of a file is compared with this many numbers above it. It is reported as cut off if it has fewer
+# decimals, and if all numbers above it have equally many.
 MIN_ROWS_ABOVE_CUT_NUMBER = 50
 
 
-# A block with fewer rows above a table is regarded as sizes or counts.
+# Above a table of one or two columns, a block with fewer rows than this is regarded as sizes or counts.
 MIN_BLOCK_ROWS = 2
 
 

@@ -48,7 +48,7 @@ MIN_FADED_INTERVAL_WIDTH, FULLY_FADED_INTERVAL_WIDTH, MAX_FADING = 0.3, 1.2, 0.8
 """Relative interval widths at which the fading of a chart cell begins and ends, and the strongest fading."""
 
 CURVE_LABEL_SPACING = 2.4  # mm
-# Interval bands wider than this multiple of the largest mean are cut off.
+# Bands of intervals are cut off beyond this multiple of the largest mean.
 MAX_DRAWN_BAND_RATIO = 2.0
 HEADING_HEIGHT = 4.0  # mm
 MAX_LEGEND_COLUMNS = 4
@@ -202,7 +202,7 @@ def _draw_friction_curves(axes: Axes, curves: xarray.Dataset, strengths: list[st
         axes.plot(dimension, value[:, index], ":", **style)
         valid_curve = np.where(is_valid[:, index], value[:, index], np.nan)
         axes.plot(dimension, valid_curve, label=rf"$\tau_0$ = {strengths[index]}", **style)
-    # The axis extends over mu0, over all valid coefficients, and over at least half of all coefficients.
+    # The vertical axis includes mu0, all valid friction coefficients, and at least half of all friction coefficients.
     valid_ends, valid_values = (array[np.isfinite(array) & is_valid].max(initial=0.0) for array in (upper, value))
     median_value = float(np.median(value[np.isfinite(value)])) if np.isfinite(value).any() else 0.0
     upper_limit = 1.1 * max(mu0, float(min(valid_ends, MAX_DRAWN_BAND_RATIO * valid_values)), median_value) or 1.0

@@ -21,7 +21,7 @@ from stiction.surfaces.surface import Surface
 from stiction.views.characterisation import length_text, to_characterisation
 from stiction.views.style import MAP_AXIS_COLOURS, MATPLOTLIB_STYLE, MIN_LENGTH_IN_MILLIMETRES, PAGE_WIDTH, new_figure
 
-# Neighbouring points of a longer profile are averaged.
+# Maximum number of points of a drawn profile; neighbouring points of a longer profile are averaged.
 MAX_DRAWN_PROFILE_POINTS = 1500
 NUM_HEIGHT_BINS = 40
 MEASURED_SPECTRUM_COLOUR, FITTED_LINE_COLOUR = "#0072b2", "#d55e00"

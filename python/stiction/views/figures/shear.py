@@ -82,7 +82,7 @@ def _draw_contacts(axes: Axes, pressure: xarray.DataArray) -> None:
         return
     y = pressure["y"].values / factor
     rows, columns = np.nonzero(megapascals > 0)
-    # Markers are drawn larger than a grid cell, because a single grid cell would be invisible.
+    # Each contact point is drawn as a marker larger than a grid cell, because a single grid cell would be invisible.
     image = axes.scatter(
         x[columns], y[rows], c=megapascals[rows, columns], s=MARKER_AREA, linewidth=0, cmap=PRESSURE_COLOURS, vmin=0
     )
