@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from stiction._core import __version__
 from stiction._estimate import MAX_SIGNIFICANT_DIGITS, Estimate, estimate_column_titles
 from stiction._number_format import format_with_unit
+from stiction.mechanics.quantities import QUANTITIES
 from stiction.summary.joint_table import (
     EVIDENCE_OF_MODEL_ERROR,
     JOINT_TITLES,
@@ -114,7 +115,8 @@ def joint_json(tables: Sequence[JointTable], sources: Sequence[str]) -> str:
             # Loads and tau0 are in core units, like the coordinates of all estimates in JSON.
             assessments.append(at | {"load_unit": "mN", "tau0_unit": "GPa", "assessment": row.assessment})
             for name, estimate in row.estimates.items():
-                coordinates = at | ({"sliding": table.sliding} if name.startswith("friction_") else {})
+                depends_on_rule = estimate.name in QUANTITIES and "sliding" in QUANTITIES[estimate.name].along
+                coordinates = at | ({"sliding": table.sliding} if depends_on_rule else {})
                 if estimate.name == "friction_percentiles":
                     coordinates["percentile"] = float(name[9:])
                 estimate_records.append(estimate.to_record(coordinates))
