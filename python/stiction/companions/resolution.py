@@ -375,7 +375,10 @@ class ResolutionLimits:
 
 
 def find_resolution_limits(points: xarray.Dataset, study: Study) -> ResolutionLimits:
-    """Estimate limits of friction for finer scans from friction at several cutoffs, at one load, mu0 and tau0."""
+    """Estimate limits of the friction coefficient that finer scans would give, at one load, mu0 and tau0.
+
+    The estimates are computed from the results at several cutoff wavelengths, and from the spectra of the scans.
+    """
     roughness = find_resolved_roughness(study)
     shortest_cutoff = float(np.min(points["cut_off"].values)) if "cut_off" in points.coords else 0.0
     limits = ResolutionLimits(

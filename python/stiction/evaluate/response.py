@@ -187,7 +187,7 @@ class ResponseValues:
     plastic_friction: Floats
 
     def select_sample(self, *indices: int) -> ResponseValues:
-        """Return the quantities for the sample of the inputs that has the given array indices."""
+        """Return the friction coefficient and the areas for one sample of the inputs, selected by its array indices."""
         shape = np.shape(self.friction_coefficient)
         return ResponseValues(**{name: np.broadcast_to(array, shape)[indices] for name, array in vars(self).items()})
 

@@ -218,7 +218,7 @@ class ShearBox:
         return strips
 
     def displacements(self, offsets: NDArray[np.int64]) -> Floats:
-        """Return the displacement (µm) along the path for each offset in grid points."""
+        """Convert offsets of the upper face (grid points) to displacements (µm) along the shear path."""
         return np.asarray((offsets * self.lower.spacings) @ self._motion_vector)
 
     def _find_overlap(self, offset: NDArray[np.int64]) -> tuple[list[int], list[int], list[int]]:

@@ -170,7 +170,7 @@ def find_steps_with_other_keys(directory: Path, member: int, key: str) -> list[P
 
 
 def remove_stored_steps(directory: Path, members: Container[int] | None = None, key: str | None = None) -> None:
-    """Remove the files of finished steps of some or all members from a result directory.
+    """Remove the files of finished solution steps from a result directory: those of given members, or of all.
 
     `members` selects the members, and `key` selects the checksum. By default, the steps of all members with any
     checksum are removed.

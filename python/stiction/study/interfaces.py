@@ -469,7 +469,7 @@ class InterfaceStrength:
 
 
 def has_growth_of_tests(growth: UncertainInput | None, test_growth: UncertainInput | None) -> bool:
-    """Return whether a given distribution of the junction growth α equals the distribution in friction tests.
+    """Return whether a junction growth α has the same distribution as in the calibration with friction tests.
 
     The value None of `growth` stands for α = 0, and the value None of `test_growth` for an unknown α.
     """

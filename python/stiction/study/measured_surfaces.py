@@ -207,7 +207,7 @@ class MeasuredLineSettings(CommonMeasuredSurfaceSettings):
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> LineMemberSource:
-        """Return a source of members: pairs of profiles or scan lines, or of their surrogates, at several positions."""
+        """Return the source of ensemble members: pairs of profiles, scan lines or surrogates, at several positions."""
         upper, lower = self.filter_scans(scans, cut_offs)
         level: ProfileTrend | None = None if self.level == "none" else self.level
         positions = None if self.positions is None else tuple(map(float, self.positions))
@@ -264,7 +264,7 @@ class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> MapMemberSource | GapMemberSource:
-        """Return a source of members: surrogates, pairs of map pieces, or a measured gap as the only member."""
+        """Return the source of ensemble members: surrogates, pairs of map pieces, or a measured gap as only member."""
         upper, lower = self.filter_scans(scans, cut_offs)
         if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
             raise ValueError('surfaces.press must be "lines" or "surrogates" for a profile, got "areas"')
@@ -303,7 +303,7 @@ class SurrogateSettings(CommonMeasuredSurfaceSettings):
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> MapMemberSource:
-        """Return a source of members: pairs of random height maps with the spectra of two scans."""
+        """Return the source of ensemble members: pairs of random height maps with the spectra of two scans."""
         upper_scan, lower_scan = scans
         if isinstance(upper_scan, JoinedSpectrum) or isinstance(lower_scan, JoinedSpectrum):
             shortest_cutoff = float(self.cell_coordinates()["cut_off"].min())

@@ -1,4 +1,4 @@
-"""Text on requested loads that have no coefficient."""
+"""Text about requested loads at which no friction coefficient is available."""
 
 from __future__ import annotations
 

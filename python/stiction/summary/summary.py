@@ -370,7 +370,7 @@ class Summary:
 
     @property
     def _points_at_cutoffs(self) -> xarray.Dataset | None:
-        """Friction at several cutoff wavelengths, from this or another stored result; None for a single cutoff."""
+        """Friction at several cutoff wavelengths, from this or another stored result; None if neither has several."""
         points = self.at if self.at.sizes.get("cut_off", 0) > 1 else self.values_at_cutoffs
         return None if points is None else sort_sliding_rules(points, self.study)
 
