@@ -54,7 +54,7 @@ MAX_SCAN_BYTES = 300_000_000
 MAX_TOTAL_SCAN_BYTES = 2_000_000_000  # bytes
 MAX_REQUEST_BYTES = 2**16  # bytes
 MAX_REQUEST_TIME = 120.0  # s
-# A browser sends at most six requests at the same time.
+# Maximum number of requests at the same time; a single browser sends at most six.
 MAX_CONCURRENT_REQUESTS = 64
 MAX_SCAN_NAME_LENGTH = 60  # characters
 MAX_LISTED_RESULTS = 100

@@ -206,7 +206,7 @@ class CalibrationProblem:
             if GAIN_PARAMETER_NAME in scores_by_name
             else np.ones((len(scores), 1))
         )
-        # The errors of the tests refer to the measured coefficients, so the model is multiplied by the gain.
+        # The gain multiplies the model, not the measured coefficients, because the errors of tests refer to the latter.
         mu0_coefficient = gain * sums["tangential_frictional"] - self.measured * sums["normal_frictional"]
         tau0_coefficient = gain * sums["tangential_adhesive"] - self.measured * sums["normal_adhesive"]
         right_side = self.measured - gain * sums["tangential_elastic"]

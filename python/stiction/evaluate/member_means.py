@@ -366,7 +366,7 @@ class MemberDependence:
         if self.order is None or self.lines is None:
             return np.stack(intervals.average_independent_values(values), axis=-1)
         flat_values = values[self.order].reshape(values.shape[0], -1)
-        # Columns that lack the same members (most lack none) are evaluated together.
+        # Columns with values of the same members are evaluated together; most columns have values of all members.
         is_finite = np.isfinite(flat_values)
         is_incomplete = ~is_finite.all(axis=0)
         masks, mask_indices = [np.ones(len(flat_values), bool)], np.zeros(flat_values.shape[1], np.intp)

@@ -91,7 +91,7 @@ MIN_TABULATED_MEAN_PRESSURE, NUM_TABULATED_VALUES = 0.005, 256
 The second constant is the number of entries of the table along each axis.
 """
 
-# Number of Newton steps after which the yield pressure of slip lines is exact to round-off.
+# Number of Newton steps after which the yield pressure by slip-line theory is exact to round-off.
 NUM_PRESSURE_STEPS = 3
 
 

@@ -71,7 +71,7 @@ def _unpickle_grids(
     return get_half_space_grids(shape, spacing, effective_modulus, periodic=periodic)
 
 
-# Grids are pickled without kernels, which the process that unpickles them computes again.
+# Grids are pickled without their kernels; the process that unpickles the grids computes the kernels again.
 copyreg.pickle(_core.HalfSpaceGrids, lambda grids: (_unpickle_grids, _keys_by_grids[grids]))
 
 

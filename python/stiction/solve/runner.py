@@ -68,7 +68,7 @@ MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
 # Minimum number of blocks of members in a run: with fewer, idle workers could wait long for the last block.
 MIN_BLOCKS_PER_RUN = 16
-# The first block file of each size takes 0.1 s to write.
+# Minimum computing time (s) of a block, because the first block file of each size takes 0.1 s to write.
 MIN_BLOCK_TIME = 0.2
 MAX_SUBMITTED_TASKS = 1000
 MAX_TASKS_THAT_RETURN_BLOCKS = 256

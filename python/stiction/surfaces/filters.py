@@ -17,12 +17,13 @@ from stiction.surfaces.surface import AnyBody, Surface, as_body
 
 FilterKind = Literal["S", "L"]
 MonomialExponents = tuple[int, ...]
-# With a cutoff of 0.5 points, 96 % of the amplitude remains at the shortest wavelength, two points.
+# Shortest cutoff (points) of a filter: it transmits 96 % of the amplitude at the shortest wavelength, two points.
 MIN_CUTOFF_POINTS = 0.5
 _MIN_CUTOFF_POINTS_FOR_END_REGRESSION = 4.0
-# Farther from a point, all filter weights are below 1e-15 of the largest weight.
+# Half width of the filter as a multiple of the cutoff: farther from a point, weights are below 1e-15 of the largest.
 _FILTER_HALF_WIDTH_IN_CUTOFFS = 1.6
-# With a cutoff of two or three points, the filter weights decay slowly: to 1e-5 at a distance of 64 points.
+# Minimum half width of the filter (points): with a cutoff of two or three points, weights decay to only 1e-5 in 64
+# points.
 _MIN_HALF_WIDTH_POINTS = 64
 _MIN_MEASURED_WEIGHT_FRACTION = 1e-6
 _MIN_NORMALISED_PIVOT = 1e-9

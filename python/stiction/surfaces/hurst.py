@@ -27,7 +27,7 @@ _NO_SELF_AFFINE_BAND_MESSAGE = (
 )
 # After subtracting a straight line, heights below this fraction of their original magnitude are round-off.
 _TREND_ROUND_OFF = 1e-13
-# A Hann window adds power from the mean and from longer wavelengths to the lowest harmonics.
+# Number of lowest harmonics that are excluded, because a Hann window adds power from the mean and longer wavelengths.
 _NUM_EXCLUDED_HARMONICS = 2
 
 _CHI_SQUARED_QUANTILE_95 = 3.841

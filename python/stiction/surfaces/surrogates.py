@@ -16,10 +16,11 @@ _RINGS_PER_DECADE = 12
 # Weight of the smoothness penalty, which dominates the fit in rings with fewer harmonics than this number.
 _SMOOTHNESS_PENALTY = 2.0
 _DENSITY_ROUND_OFF_FRACTION = 1e-14
-# About ten iterations are usually enough to fit the spectrum of a surrogate.
+# Maximum number of iterations in the fit of a surrogate's spectrum; about ten are usually enough.
 _MAX_SPECTRUM_FIT_STEPS = 1000
 _LOG_DENSITY_TOLERANCE = 1e-6
-# The half-space solution of a map of 512 × 512 points takes some tenths of a second.
+# Default limit for the points along each side of a surrogate: a half-space solution of 512 × 512 points takes some
+# tenths of a second.
 _MAX_DEFAULT_SIDE_POINTS = 512
 
 
