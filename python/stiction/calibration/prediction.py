@@ -116,7 +116,7 @@ class Interface(InterfaceStrength):
             scores = {**independent_scores, **fit.scores}
             law = FrictionLaw(fit.mu0, fit.tau0)
             samples = area_factor.input_values({name: ndtr(scores[name]) for name in area_factor.nuisance_names})
-            # Of the inputs shared with the tests, only those uncertain in the result take their samples from the fit.
+            # An input shared with the tests takes its samples from the fit if it is uncertain in the result.
             shared_names = shared_inputs.keys() & area_factor.uncertain_inputs.keys()
             samples |= {name: shared_inputs[name].sample(fit) for name in shared_names}
             area, friction_fraction = area_factor.onset_area_and_friction_factors(samples, law)

@@ -322,7 +322,7 @@ def find_inputs_and_strengths(
     shared_inputs = find_shared_inputs(interface, estimates, pair_checksum)
     strengths = []
     for fit, coverage in apply_ranges_of_pair(interface, shared_inputs).sampled_fits:
-        # Of the inputs shared with the tests, only those uncertain for the pair take the samples of the calibration.
+        # An input shared with the tests takes the samples of the calibration if it is uncertain for the pair.
         shared = {name: shared_inputs[name].sample(fit) for name in inputs if name in shared_inputs}
         area_scores = fit.scores.get(area_error_name(pair_checksum))
         strengths.append(JointSamples(fit.mu0, fit.tau0, shared, area_scores, coverage))
