@@ -109,7 +109,7 @@ void fuzz_contact(Source& source) {
             "no more contacts than points");
     require(!(sums[k].contact_area < 0.0), "no negative area");
     const std::vector<stiction::Contact> table = stiction::contacts(pair, approaches[k], model);
-    // `contacts` considers candidates with a gap up to `approaches[k]`, `press` with a gap up to the largest approach.
+    // Candidates of `contacts` have gaps up to `approaches[k]`, those of `press` gaps up to the largest approach.
     require(static_cast<stiction::Index>(table.size()) == sums[k].contact_count, "contacts and press agree");
     for (const stiction::Contact& contact : table) {
       require(contact.overlap > 0.0 && contact.radii.minor > 0.0, "contacts overlap and are convex together");
@@ -118,7 +118,7 @@ void fuzz_contact(Source& source) {
   }
 }
 
-// Heights have any magnitude. Some heights are equal, and some regions are level.
+// Heights have arbitrary magnitudes. Some heights are equal, and some regions are level.
 struct Maps {
   stiction::Matrix upper;
   stiction::Matrix lower;
@@ -183,7 +183,7 @@ void fuzz_areal(Source& source) {
                 candidate.column + 1 < maps.upper.cols(),
             "minima lie in the map");
   }
-  // In plan view, a contact ellipse on a steep wall is so narrow that round-off changes its fraction inside the map.
+  // On a steep wall, a contact ellipse is so narrow in plan view that round-off changes its fraction inside the map.
   const bool steep =
       std::any_of(candidates.all.begin(), candidates.all.end(), [](const stiction::ArealCandidate& candidate) {
         return candidate.normal.z() < 1e-5 || candidate.radii.major > 1e12 * candidate.radii.minor;

@@ -86,7 +86,7 @@ void subtract(const double* upper, const double* lower, Index size, double offse
   }
 }
 
-// A grid minimum has a gap of at most `deepest` and, except for round-off, no neighbour (of 8) with a smaller gap.
+// A grid minimum has a gap of at most `deepest`. Except for round-off, none of its eight neighbours has a smaller gap.
 STICTION_MULTIVERSION
 void mark_grid_minima(const double* above, const double* at, const double* below, Index size, double deepest,
                       double round_off, unsigned char* marks) {
@@ -107,7 +107,7 @@ void mark_grid_minima(const double* above, const double* at, const double* below
   }
 }
 
-// Cells of a map, and the surrounding points that influence the spline in these cells. A tile fits into the cache.
+// Range of cells of a map, and the surrounding points that influence the spline there. A tile fits into the cache.
 struct Tile {
   CellRange cells;
   Index row;  // (row, column) is the position of the tile's first point in the map

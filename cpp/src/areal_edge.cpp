@@ -22,7 +22,7 @@ MapEdges::MapEdges(const ArealCandidates& candidates, const ArealCandidate& cand
   const double sine = std::sqrt(candidate.ellipse.major) * std::sqrt(candidate.ellipse.minor) * candidate.normal.z() /
                       (half_width * half_height);
   for (std::size_t i = 0; i < 4; ++i) {
-    // The cosine between the normals of successive sides changes its sign from corner to corner of the parallelogram.
+    // The cosine between the normals of successive sides changes its sign at each corner of the parallelogram.
     const double to_next = i % 2 == 0 ? cosine : -cosine;
     const double next = distance_[(i + 1) % 4] - distance_[i] * to_next;
     const double previous = distance_[(i + 3) % 4] + distance_[i] * to_next;

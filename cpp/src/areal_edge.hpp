@@ -23,7 +23,7 @@ class MapEdges {
  private:
   std::array<double, 4> distance_;  // distance of each side of the parallelogram from the centre of the unit circle
   std::array<std::array<double, 2>, 4>
-      // For each side: tangents of the angles from the normal of the side to both ends, seen from the circle's centre.
+      // Directions from the circle's centre to both ends of a side, as tangents of their angles to the side's normal.
       corners_;
 };
 

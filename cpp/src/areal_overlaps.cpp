@@ -87,7 +87,7 @@ std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, 
       const auto at = [&](std::size_t k) {
         return ellipses_overlap(left.shape, a.overlap(approaches[k]), right.shape, b.overlap(approaches[k]), apart);
       };
-      // Skip approaches at which both ellipses are known to overlap other ellipses.
+      // Skip approaches at which both ellipses are already known to overlap with ellipses of other contacts.
       std::size_t begin = std::max(left.begin, right.begin);
       std::size_t end = std::max(first[left.index], first[right.index]);
       if (begin >= end || std::abs(apart.y()) > left.half_height + right.half_height || !at(end - 1)) {

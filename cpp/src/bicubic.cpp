@@ -80,7 +80,7 @@ std::vector<double> pivots(Index points) {
   return result;
 }
 
-// At each point, the unknowns of all systems are contiguous. Successive points are `stride` elements apart.
+// Unknowns of all lines at one point are contiguous, and unknowns at successive points `stride` elements apart.
 STICTION_MULTIVERSION
 void solve_columns(double* values, Index points, Index lines, Index stride, const double* pivot) {
   for (Index i = 1; i + 1 < points; ++i) {

@@ -16,7 +16,7 @@
 namespace stiction {
 namespace {
 
-// The spline interpolates the whole profile, but its derivatives are stored only in a range of indices.
+// Spline through a whole profile. Its derivatives are stored only at a range of grid points.
 class SplinedProfile {
  public:
   SplinedProfile(Values heights, double max_abs, double spacing, Side side)
@@ -40,7 +40,7 @@ class SplinedProfile {
   double slope(std::size_t i) const { return slope_[i - begin_]; }
   double curvature(std::size_t i) const { return curvature_[i - begin_]; }
 
-  // `t` is the distance [µm] to the right of point i, at most up to point i + 1.
+  // `t` is the distance [µm] from point i towards point i + 1, and at most the grid spacing.
   double height(std::size_t i, double t) const {
     return height(i) + t * (slope(i) + 0.5 * t * (curvature(i) + t / (3.0 * spacing_) * curvature_change(i)));
   }

@@ -20,7 +20,7 @@ namespace {
 
 using std::numbers::pi;
 
-// In one row, the complex numbers in the columns of a block fill a cache line in single precision.
+// Number of columns per block: in single precision, the complex numbers in one row of a block fill a cache line.
 constexpr std::size_t columns_per_block = 8;
 constexpr std::size_t prefetch_distance_in_rows = 16;
 // An area with fewer values forms a single task, because several threads would wait for each other.
@@ -32,7 +32,7 @@ constexpr double stencil_sum = 0.04;
 constexpr double min_compliance_ratio = 1e-3;
 constexpr std::size_t stencil_points = 32;
 
-// An odd number of cache lines from row to row spreads a column over all cache sets.
+// If successive rows are an odd number of cache lines apart, a column is spread over all cache sets.
 template <class Real>
 std::size_t padded_stride(std::size_t count) {
   constexpr std::size_t numbers_per_line = alignment / sizeof(std::complex<Real>);
@@ -66,7 +66,7 @@ void multiply_line(const double* coefficients, const double* direct_factors, con
   }
 }
 
-// Along y, the column `second` is traversed backwards, because it belongs to the opposite wavenumber.
+// The column `second` is traversed backwards along y, because it belongs to the opposite wavenumber.
 template <class Real>
 STICTION_INLINE void multiply_mirrored(Real* __restrict first, Real* __restrict second, const Real* first_factors,
                                        const Real* second_factors, const Real* mixing_factors, std::size_t size) {
@@ -80,7 +80,7 @@ STICTION_INLINE void multiply_mirrored(Real* __restrict first, Real* __restrict 
 
 constexpr std::size_t wavenumbers_per_block = 64;
 
-// `factors` contains the factors for wavenumbers i along y up to `size` / 2. Coefficient size - i has the same factor.
+// `factors` has one element for each wavenumber i <= size / 2 along y. Coefficients i and size - i share a factor.
 // Coefficient i of column k is combined with coefficient size - i of column m - k, with θ = πk/m.
 template <class Real>
 STICTION_INLINE void mix_columns_kernel(Real* __restrict first, Real* __restrict second, const Real* factors,
@@ -167,7 +167,7 @@ struct TransformShape {
 
   bool packed() const { return padded_columns % 2 == 0; }
   std::size_t coefficient_count() const { return packed() ? padded_columns / 2 : padded_columns; }
-  // Two opposite wavenumbers share one factor.
+  // Opposite wavenumbers share one factor, so only wavenumbers >= 0 have a factor.
   std::size_t factors_along_x() const { return padded_columns / 2 + 1; }
   std::size_t factors_along_y() const { return padded_rows / 2 + 1; }
 };
@@ -460,7 +460,7 @@ std::vector<double> stiffness(const TransformShape& shape, const Grid& grid, dou
   return factors;
 }
 
-// Displacement [µm] of the origin due to 1 GPa on the segment (0, x) or, on areas, on the rectangle (0, x) by (0, y).
+// Displacement [µm] of the origin due to 1 GPa on the segment (0, x) of a line, or on (0, x) by (0, y) of an area.
 double corner_integral(double x, double effective_modulus) {
   // Integral of -2/(π E*) ln|x|. Another unit of length would shift all displacements by the same amount.
   return -2 / (pi * effective_modulus) * x * (std::log(std::abs(x)) - 1.0);
@@ -472,7 +472,7 @@ double corner_integral(double x, double y, double effective_modulus) {
 
 double cell_edge(std::size_t i, double spacing) { return (static_cast<double>(i) - 0.5) * spacing; }
 
-// Displacements of the cells in a row that is `row` rows away from a cell under 1 GPa. On a line, `row` is 0.
+// Displacements of all cells in a row that is `row` rows away from a cell under 1 GPa. On a line, `row` is 0.
 void compute_influence_row(const Grid& grid, double effective_modulus, std::size_t row, std::span<double> influence) {
   const std::size_t count = influence.size();
   const auto corner = [&](std::size_t i, std::size_t j) {
@@ -645,7 +645,7 @@ struct ElasticKernel::Transforms {
   FftPlans plans;
   std::unique_ptr<const Filter<double>> double_displacement;
   std::unique_ptr<const Filter<float>> single_displacement;
-  // Spectral filters. The key is the stiffness of the foundation [GPa/µm], or 0 without a foundation.
+  // Spectral filters, keyed by the stiffness of the elastic foundation [GPa/µm], which is 0 without a foundation.
   std::map<double, const Filter<float>> foundation_filters;
 
   const Filter<float>* foundation_filter(const Grid& grid, double foundation) {
@@ -763,7 +763,7 @@ void StiffnessKernel::precondition(std::span<const float> pressures, std::span<f
 }
 
 double uniform_pressure_deviation(const Grid& grid, double effective_modulus) {
-  // By symmetry, a quarter of the grid points is enough.
+  // By symmetry, the displacements at a quarter of the grid points are enough for the standard deviation.
   // The displacement of a point is the sum of `corner_integral` over the corners of the grid.
   const auto displacement = [&](std::size_t row, std::size_t column) {
     double sum = 0.0;

@@ -16,7 +16,7 @@ constexpr double max_change_of_small_gap = 2.0;
 constexpr double small_gap = 5.0;  // as a multiple of the attraction range
 // The line search neglects the attraction at gaps above this multiple of the attraction range.
 constexpr double negligible_attraction_gap = 30.0;
-// The first trial step is this fraction of a full step. It is doubled until the energy increases.
+// The first trial step is this fraction of a full step. Trial steps are doubled until the energy increases.
 constexpr double initial_step_fraction = 0.125;
 // The line search ends once the slope of the energy falls below this fraction of the initial slope.
 constexpr double max_slope_ratio = 0.05;
@@ -78,7 +78,7 @@ struct ResidualSums {
   }
 };
 
-// `sum` is net pressure plus attraction [GPa].
+// `sum` is the sum of net pressure and attraction [GPa].
 STICTION_INLINE double contact_pressure(double gap, double sum, double hardness) {
   const double clipped = std::min(std::max(sum, 0.0), hardness);
   const double closed = gap < 0.0 ? hardness : clipped;
@@ -152,7 +152,7 @@ void fix_contacts(const double* gap, const float* residual, std::size_t size, fl
   }
 }
 
-// Returns (new direction) · (residual).
+// Returns the scalar product of the new direction and the residual.
 STICTION_MULTIVERSION
 double add_direction(const float* descent, const float* residual, float factor, std::size_t size,
                      float* __restrict direction) {
@@ -174,7 +174,7 @@ struct Edges {
   }
 };
 
-// Returns two numbers: scalar product of gap changes and residual, and largest change of a small gap.
+// Returns the scalar product of gap changes and residual, and the largest change of a small gap.
 STICTION_MULTIVERSION
 Edges fix_edges(const double* gap, const float* residual, double largest_small_gap, float approach, std::size_t size,
                 float* __restrict direction, float* __restrict displacement_change) {
@@ -213,7 +213,7 @@ bool change_gaps(const float* direction, double step, bool yields, std::size_t s
   return *std::max_element(largest.begin(), largest.end()) > 0.0F;
 }
 
-// The function must be negative at 0. Returns `max_argument` if the function has no root below `max_argument`.
+// Returns `max_argument` if `function`, which must be negative at 0, has no root below `max_argument`.
 template <class Function>
 double find_first_root(const Function& function, double value_at_zero, double max_argument) {
   double left = 0.0;

@@ -10,7 +10,7 @@
 
 namespace stiction {
 
-/// The alignment determines which instructions FFTW uses, and therefore the last bits of the result.
+/// The alignment [bytes] of arrays determines which instructions FFTW uses, and therefore the last bits of results.
 inline constexpr std::size_t alignment = 64;
 
 /// Growing an AlignedBuffer discards its contents.

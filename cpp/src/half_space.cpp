@@ -38,13 +38,13 @@ constexpr std::int64_t max_coarse_iterations = 100;
 constexpr int max_exact_evaluations = 20;
 // Relative tolerance of displacements that should be equal. The compliance then has a relative error of about 1e-7.
 constexpr double compliance_tolerance = 1e-3;
-// Factor of `compliance_tolerance` on free lines, where the compliance is not an energy, so that its error is larger.
+// This factor reduces `compliance_tolerance` on free lines, where errors of the compliance are not of second order.
 constexpr double difference_tolerance = 0.03;
 // Up to this number of contact points, solving with a dense matrix is faster than with transforms of the grid.
 constexpr std::size_t max_dense_points = 1024;
 // If few points can come into contact, displacements are computed only at these points, with a dense matrix.
-// Up to `max_matrix_ratio` matrix elements per grid point, the matrix is faster than transforms.
-// `max_selected_points` limits the matrix to 16 MiB.
+// A dense matrix with up to `max_matrix_ratio` elements per grid point is faster than transforms of the grid.
+// `max_selected_points` limits the dense matrix to 16 MiB.
 constexpr std::size_t max_matrix_ratio = 16;
 constexpr std::size_t max_selected_points = 2048;
 // Points are selected if their gap is below this multiple of the approach, both measured from the smallest gap.
@@ -275,7 +275,7 @@ class LevelSolver {
   LevelSolver& operator=(const LevelSolver&) = delete;
 
   ProjectedCgSolver& cg() { return cg_; }
-  // True if the potential was recomputed in double precision and no step was taken since then.
+  // True if the potential was recomputed in double precision after the last step.
   bool is_exact() const { return is_exact_; }
   // True if the potential is known wherever the pressure bound is above 0. Call only if each point has its own bound.
   bool has_all_potentials() const { return !selected_points_ || selects_all_points_; }
@@ -638,7 +638,7 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
                                                const HalfSpaceProgress& progress) const {
   const Grid& grid = grids_->levels()[0];
   const double full_contact = grid.periodic ? mean_value(gap_) : std::numeric_limits<double>::infinity();
-  // For rough surfaces, the mean pressure is at most E* approach / length, that of a contact as large as the grid.
+  // The mean pressure of rough surfaces is at most E* approach / length, the value for a contact as large as the grid.
   const double along_x = grid.spacing_x * static_cast<double>(grid.columns);
   const double length = grid.line ? along_x : std::max(along_x, grid.spacing_y * static_cast<double>(grid.rows));
   double pressure = near.empty() ? 0.1 * grids_->effective_modulus() * approach / length : mean_value(near);

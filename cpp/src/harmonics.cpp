@@ -35,12 +35,12 @@ constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20
 // The group profiles of one block must fit into the second-level cache.
 constexpr Index block = 1024;
 constexpr Index blocks_per_restart = 8;
-// Number of grid points by which a harmonic advances per step. Each SIMD lane has its own recurrence.
+// In each step, a recurrence advances a harmonic by this number of grid points. Each SIMD lane has its own recurrence.
 constexpr std::size_t lanes = 32;
 constexpr std::size_t doublings = 5;
 static_assert(lanes == 1 << doublings && block % lanes == 0);
 
-// 64-bit fraction of a turn. Integer overflow removes whole turns without round-off.
+// Fraction of a turn, in units of 2^-64 turns. Integer overflow removes whole turns without round-off.
 using Turns = std::uint64_t;
 
 Turns to_turns(long double turns) {
@@ -60,7 +60,7 @@ Complex unit_phasor(Turns turns) { return std::polar(1.0, to_radians(turns)); }
 // The round-off of the recurrence is proportional to the number of steps, even for very small θ.
 struct Harmonic {
   alignas(cache_line) std::array<double, lanes> z;  // values at the next `lanes` points
-  // `z` minus the values at the preceding `lanes` points
+  // Difference between `z` and the values at the preceding `lanes` points.
   alignas(cache_line) std::array<double, lanes> d;
   double rate;                               // 4 sin²(θ/2)
   Complex amplitude;                         // at x = 0
@@ -140,7 +140,7 @@ std::vector<Group> make_groups(MatrixView phases, const HarmonicGrid& grid) {
   return result;
 }
 
-// Each height is loaded and stored only once, and the values of z and d of one pass stay in registers.
+// In one pass, each height is loaded and stored only once, and the values of z and d stay in registers.
 template <std::size_t Width, std::size_t count>
 STICTION_INLINE void subtract(double* values, Harmonic* harmonics) {
   constexpr std::size_t packs = Width == 8 ? 4 : 2;
@@ -344,7 +344,7 @@ Wavenumbers pair_wavenumbers(const HarmonicArea& area, Index m, Index directions
           number * std::cos(angle) * static_cast<long double>(area.spacing_x)};
 }
 
-// `constant` is the sum of w cos φ over all harmonics. The amplitudes include the weights w.
+// `constant` is the sum of w cos φ over all harmonics, whose amplitudes include the weights w.
 struct ArealSum {
   std::vector<ArealHarmonic> harmonics;
   double constant = 0.0;

@@ -92,7 +92,7 @@ std::vector<double> find_crossings(const BatchFunction& function, Values levels,
   if (left.size() != levels.size() || right.size() != levels.size()) {
     throw std::invalid_argument("find_crossings: left and right must be as long as levels");
   }
-  // The arguments may be in any order and may contain duplicates.
+  // `arguments` may be in any order, and may contain duplicates.
   const auto values_at = [&](const std::vector<double>& arguments) {
     std::vector<double> distinct = arguments;
     std::sort(distinct.begin(), distinct.end());

@@ -19,7 +19,7 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon();
 constexpr double max_overshoot = 1e-8;
 constexpr double merge_distance = 1e-6;
 
-// In a cell, the spline is in the range of its 16 coefficients, and derivatives are in the range of their differences.
+// In a cell, the 16 coefficients bound the spline, and differences of neighbouring coefficients bound its derivatives.
 // A cell can have a minimum only if a coefficient is at most `max_value`, and both ranges of derivatives contain zero.
 
 STICTION_INLINE double smaller(double a, double b) { return a < b ? a : b; }
@@ -45,7 +45,7 @@ void mark_low(const double* coefficients, Index cells, double max_value, unsigne
   }
 }
 
-// For each column: smallest coefficient of four successive rows, and ranges of the differences along x and along y.
+// For each column: smallest coefficient in four successive rows, and ranges of coefficient differences along x and y.
 struct Ranges {
   explicit Ranges(Index columns) : buffer(static_cast<std::size_t>(5 * columns)), size(columns) {}
   double* lowest() { return buffer.data(); }
@@ -223,7 +223,7 @@ STICTION_INLINE void halve(double a, double b, double c, double d, std::array<do
   second = {middle, bcd, cd, d};
 }
 
-// lower left, lower right, upper left, upper right
+// The quarters of a cell are in the order lower left, lower right, upper left, upper right.
 STICTION_INLINE void quarter(const Net& net, Nets<4>& quarters) {
   std::array<Net, 2> halves;
   for (std::size_t i = 0; i < 4; ++i) {

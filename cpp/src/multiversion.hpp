@@ -84,7 +84,7 @@ using Pack = typename PackOf<Width>::Type;
 
 inline constexpr std::size_t widest_pack = 8;
 
-// GCC would split a std::memcpy before it knows the instruction set.
+// std::memcpy is not used, because GCC would split the copy before it knows the instruction set.
 template <std::size_t Width>
 STICTION_INLINE Pack<Width> load(const double* values) {
   return reinterpret_cast<const typename PackOf<Width>::Unaligned*>(values)->pack;

@@ -15,7 +15,7 @@ namespace {
 constexpr double line_side_fraction = 0.19;
 constexpr double area_side_fraction = (std::numbers::pi - 1 + std::numbers::ln2) / 24;
 
-// Union-find. Each set is represented by its first point.
+// Union-find structure. Each set is represented by its first point.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t count) : first_(count) {

@@ -46,7 +46,7 @@ bool mark_free(const double* pressure, const double* potential, const double* bo
     const double p = pressure[i];
     const double gap = potential[i] - approach;
     const bool loaded = p > 0.0;
-    // The loop has no branches, because many would be mispredicted.
+    // The loop has no branches, because the processor would mispredict many of them.
     const bool is_free = (loaded & ((p < bound[i]) | (gap > 0.0))) | (!loaded & (bound[i] > 0.0) & !(gap >= 0.0));
     marks[i] = static_cast<std::uint8_t>(is_free);
     any |= marks[i];

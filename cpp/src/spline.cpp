@@ -60,7 +60,7 @@ double last_slope(Values heights, double curvature_before, double spacing) {
 
 // Number of grid points beyond which the curvature due to a unit load is negligible (0.268^28 = 1e-16).
 constexpr Index kernel_reach = 28;
-// A chunk plus one point on each side is a multiple of `stride`.
+// A chunk plus one point on each side has a multiple of `stride` points.
 constexpr Index stride = 32;
 constexpr Index chunk = 254;
 static_assert((chunk + 2) % stride == 0);

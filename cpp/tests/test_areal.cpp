@@ -83,7 +83,7 @@ TEST_CASE("areal press: a paraboloid on a flat has one elliptic contact for all 
 }
 
 TEST_CASE("tangent: is a unit tangent and matches the sliding factors, also at walls along the motion") {
-  // In plan view, `turn` is the angle of the normal to -s. If `up` and `turn` are small, (s·n) n - s loses digits.
+  // In plan view, the normal n is turned by `turn` from -s. If n_z (`up`) and `turn` are small, (s·n) n - s is inexact.
   for (const double turn : {0.0, 1e-9, 1e-6, 1e-3, 0.5}) {
     for (const double up : {1e-12, 1e-3, 0.5}) {
       const double level = std::sqrt(1.0 - up * up);

@@ -10,7 +10,8 @@ MAX_PATH_LENGTH = 300  # characters
 MAX_WORD_LENGTH = 80  # characters
 MAX_QUOTED_LINE_LENGTH = 1000  # characters
 
-_UNPRINTABLE_CATEGORIES = {"Cc", "Cf", "Cs", "Zl", "Zp"}  # Unicode: control, format, surrogate, separators
+# Unicode categories: control and format characters, surrogates, line separators and paragraph separators.
+_UNPRINTABLE_CATEGORIES = {"Cc", "Cf", "Cs", "Zl", "Zp"}
 
 
 def printable_text(text: object, max_length: int = MAX_WORD_LENGTH) -> str:

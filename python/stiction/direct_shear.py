@@ -242,7 +242,7 @@ def shear_test(
         return _compute_shear_tests(setup, SolutionRecord(), progress).assign_attrs(attributes)
     test_directory, description = parse_path("directory", directory), _describe_inputs(setup)
     key = hashlib.sha256(description.encode()).hexdigest()[:16]
-    # The key includes `variations`, the input limits at which the test is repeated: they depend on the input samples.
+    # The key contains `variations`, the limits of inputs in repeated tests, because they depend on the input samples.
     steps_key = compute_steps_key(description + repr(setup.variations), _STEP_MODULES)
     if (test := _open_stored_test(test_directory, key, replace=replace)) is not None:
         return test
@@ -508,7 +508,8 @@ def _open_stored_test(directory: Path, key: str, *, replace: bool) -> xr.Dataset
     Returns None if there is no test that can be reused.
     """
     test = load_shear_test(directory)
-    if test is None or (replace and "gap" not in test):  # earlier versions stored no gap and no closure
+    # A test without a stored gap comes from an earlier version, and is computed again if it may be replaced.
+    if test is None or (replace and "gap" not in test):
         return None
     if test.attrs.get("key") == key:
         return test

@@ -22,7 +22,7 @@ struct HeightStatistics {
   double max;
 };
 
-/// The statistics do not depend on the chunk sizes if each chunk but the last contains a multiple of `lanes` heights.
+/// The statistics do not depend on chunk sizes if every chunk except the last contains a multiple of `lanes` heights.
 class HeightAccumulator {
  public:
   static constexpr std::size_t lanes = 32;

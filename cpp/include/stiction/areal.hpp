@@ -8,7 +8,7 @@
 // The following rules make the result independent of rotating, mirroring, swapping or shifting the pair of maps:
 // - A level valley or plateau of the gap (see `level_fraction`) has no single lowest point, so it is not a contact.
 // - A grid point on a level plateau counts as a grid minimum of the gap, although the spline has no minimum there.
-// - A surface that is flat in one or both directions, but not concave, counts as a summit.
+// - A surface counts as a summit at a point where it is flat in one or both directions, but not concave.
 // - A contact whose slope along the motion is zero does not oppose the motion.
 #pragma once
 
@@ -44,12 +44,12 @@ struct ContactGeometry {
 /// The principal curvatures are the eigenvalues of the matrix in the metric I + p pᵀ, divided by sqrt(1 + p²).
 ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, double yy);
 
-/// Local minimum of the gap, at which the surfaces touch if the approach is larger than the member `gap`.
+/// Local minimum of the gap. The surfaces touch at the minimum if the approach is larger than the member `gap`.
 struct ArealCandidate {
   Index row;  ///< (row, column) is the first grid point of the cell that contains the minimum
   Index column;
   Vector3 position;  ///< position of the minimum on the lower surface [µm]
-  /// Gap [µm] at the minimum, at zero approach. The gap is negative if the spline dips below the grid points.
+  /// Gap [µm] at the minimum for zero approach; negative if the spline dips below the gaps at all grid points.
   double gap;
   double edge_overlap;  ///< overlap [µm] at which the contact ellipse of elastic bodies reaches the edge of the map
   Vector3 normal;
@@ -78,7 +78,7 @@ inline constexpr double round_off_fraction = 0x1p-46;
 /// Derivatives with respect to grid indices [µm] count as zero up to this fraction of (largest gap - smallest gap).
 inline constexpr double level_fraction = 0x1p-26;
 
-/// Find all contact candidates whose gap is at most `deepest` [µm] >= 0.
+/// Find all contact candidates with a gap of at most `deepest` (>= 0) [µm].
 /// The curvature rule `convex` requires that both surfaces are summits; `signed_` requires only a minimum of the gap.
 /// Throws std::invalid_argument unless the maps have equal shapes (>= 4 by 4), finite heights, and a gap that varies.
 ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature curvature,
@@ -119,7 +119,7 @@ inline constexpr std::array areal_quantities{
                   &ArealSums::unanswered_count},
 };
 
-/// List the contacts at one approach [µm] >= 0, in the order of the candidates.
+/// List the contacts at one approach (>= 0) [µm], in the order of the candidates.
 /// The index of a contact is the index of its map cell: row · columns + column.
 std::vector<Contact> contacts(const ArealCandidates& candidates, double approach, const Law& law,
                               const Vector2& direction);

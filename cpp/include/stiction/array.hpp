@@ -1,8 +1,8 @@
-// Matrices and vectors of the library: double precision, row-major. The file values.hpp lists the units.
+// Types of matrices and vectors: double precision, row-major order. The file values.hpp lists the units.
 //
 // In compiled functions of the library, no argument, result or variable is an Eigen array that owns its memory.
 // Flags such as -mavx change how Eigen allocates memory, and the linker keeps one version of each Eigen function.
-// The function that frees an array could then be incompatible with the function that allocated it.
+// Code compiled with different flags could free an Eigen array by a function that does not match its allocation.
 #pragma once
 
 #include "stiction/values.hpp"

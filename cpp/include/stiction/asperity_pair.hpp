@@ -79,7 +79,7 @@ std::optional<SphereOnFlat> sphere_on_flat(const Asperity& sphere, Side sphere_s
 
 Radii radii(const AsperityPair& asperity_pair);
 
-/// `crossed`: the normal points downwards, because the sphere centres have passed each other.
+/// The class `crossed` means that the normal points downwards, because the sphere centres have passed each other.
 enum class ContactClass { no_contact, crossed, contact };
 
 /// In a contact, the asperities overlap, and the contact centre lies in [-half_cell, half_cell) along x (Eq. 5).

@@ -15,8 +15,8 @@
 
 namespace stiction {
 
-/// With `cell`, a grid point is in contact if the contact centre lies within half a spacing of the point (Eq. 5).
-/// With `gap_minimum`, each local minimum of the spline of the gap is one candidate, the same at all approaches.
+/// With the detection method `cell`, a grid point is in contact if the contact centre is within half a spacing (Eq. 5).
+/// With `gap_minimum`, each local minimum of the spline of the gap is one candidate, equal at all approaches.
 enum class Detection { cell, gap_minimum };
 
 /// Return the detection method named "cell" or "gap-minimum", or the curvature rule named "convex" or "signed".
@@ -31,7 +31,7 @@ struct ProfilePair {
 
 /// Two asperities that touch if the approach is at least `gap` and `classify` returns `ContactClass::contact`.
 struct Candidate {
-  /// Index of the grid point at the candidate or, with `gap_minimum`, to the left of the minimum of the gap.
+  /// Index of the grid point at the candidate or, with `gap_minimum`, of the grid point to the left of the minimum.
   Index index;
   /// Position of the candidate on the lower surface [µm], in the frame of the lower profile.
   Vector3 position;
@@ -41,7 +41,7 @@ struct Candidate {
   AsperityPair asperity_pair;  ///< asperity pair, whose contact points are relative to `position`
 };
 
-/// Call `visit(candidate)` for every candidate whose gap is at most `deepest` [µm] >= 0, from left to right.
+/// Call `visit(candidate)`, from left to right, for every candidate with a gap of at most `deepest` (>= 0) [µm].
 /// Detection::cell may omit candidates whose contact centre is outside their cell at every approach up to `deepest`.
 /// Throws std::invalid_argument unless both profiles have equally many finite heights (>= 4) and a positive spacing.
 void for_each_candidate(const ProfilePair& pair, double deepest, Detection detection, Curvature curvature,

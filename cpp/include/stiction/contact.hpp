@@ -35,14 +35,14 @@ struct Contact {
   bool opposing;
 };
 
-/// List the contacts at one approach [µm] >= 0, in the order of the grid.
+/// List the contacts at one approach (>= 0) [µm], in the order of the grid.
 /// Throws std::invalid_argument for invalid arguments, and if the approach exceeds `deepest` of the candidates.
 std::vector<Contact> contacts(const ProfilePair& pair, double approach, const ContactModel& model,
                               const CancellationCheck& check_cancellation = {});
 std::vector<Contact> contacts(const Candidates& candidates, double approach, const ContactModel& model,
                               const CancellationCheck& check_cancellation = {});
 
-/// Compute the contact sums at approaches [µm] >= 0, which must be strictly increasing.
+/// Compute the contact sums at approaches (>= 0) [µm], which must be strictly increasing.
 /// The overload for candidates ignores the detection method and the curvature rule of the model.
 std::vector<Sums> press(const ProfilePair& pair, Values approaches, const ContactModel& model,
                         const CancellationCheck& check_cancellation = {});

@@ -30,7 +30,7 @@ struct ContactStatistics {
 };
 
 /// `probabilities` are the probabilities of the quantiles. Small contacts cover at most `max_small_cells` grid cells.
-/// A pressure is the quantile at the probability (weight of all smaller pressures + half its weight) / total weight.
+/// A pressure is the quantile at the probability (weight of smaller pressures + half its own weight) / (total weight).
 /// Throws std::invalid_argument for an empty table, arrays of different length, or decreasing `probabilities`.
 ContactStatistics contact_statistics(const ContactTable& table, Values probabilities, double max_small_cells);
 

@@ -17,10 +17,10 @@ class DenseKernel {
  public:
   /// `influence` contains the displacement [µm/GPa] of each grid point due to a pressure on the first grid point.
   /// `influence` must outlive the DenseKernel. The constructor does not check whether all `points` are on the grid.
-  /// Throws std::invalid_argument for 2³¹ grid points or more, or if `influence` has not one value per grid point.
+  /// Throws std::invalid_argument for 2³¹ grid points or more, or unless `influence` has one value per grid point.
   DenseKernel(Values influence, const Grid& grid, std::vector<std::size_t> points);
 
-  /// Return the symmetric matrix of displacements due to unit pressures [µm/GPa], row by row.
+  /// Return the symmetric matrix of displacements due to unit pressures [µm/GPa], in row-major order.
   template <class Real>
   std::vector<Real> matrix() const;
 

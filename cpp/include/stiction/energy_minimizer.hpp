@@ -62,7 +62,7 @@ struct AdhesiveStresses {
 /// Only one thread at a time may use an EnergyMinimizer.
 class EnergyMinimizer {
  public:
-  /// `gap` [µm] of the undeformed surfaces must outlive the minimiser.
+  /// `gap` [µm], the gap between the undeformed surfaces, must outlive the minimiser.
   /// Throws std::invalid_argument if range or hardness of the interface is not positive, or an array has a wrong size.
   EnergyMinimizer(Values gap, const Grid& grid, double effective_modulus, const AdhesiveInterface& interface,
                   const ThreadPool& pool = ThreadPool());

@@ -51,7 +51,7 @@ class HalfSpaceGrids {
   };
   using BorrowedMemory = std::unique_ptr<SolverMemory, ReturnMemory>;
 
-  /// Memory is reused because the operating system clears each page of new memory, which takes long for large grids.
+  /// Memory is reused, because the operating system clears each page of new memory, which is slow for large grids.
   BorrowedMemory borrow_memory() const;
 
  private:
@@ -69,7 +69,7 @@ struct HalfSpaceSolution {
   double approach = 0.0;
   double error = 0.0;
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
-  /// Potential [µm], that is, gap plus displacement, at the points whose pressure bound is above 0.
+  /// Potential [µm] (gap plus displacement) at the points whose pressure bound is above 0.
   /// `potential` is empty if all points share one bound, the solver did not converge, or displacements are missing.
   std::vector<double> potential;
 };

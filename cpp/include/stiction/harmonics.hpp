@@ -2,7 +2,7 @@
 //
 //     y(x) = Σ_n w_n G_n(x),   G_n(x) = Σ_m { cos φ_mn - cos[ (2π γ^(n-1) x / L) cos(π m / M) + φ_mn ] }
 //
-// Only the weights w_n depend on the fractal dimension D, so the group profiles G_n are evaluated only once for many D.
+// Only the weights w_n depend on the fractal dimension D, so one evaluation of the profiles G_n serves many D.
 #pragma once
 
 #include "stiction/amplitude.hpp"
@@ -29,7 +29,7 @@ std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, 
 /// Write the sum Σ_n weights(d, n) G_n(x_j) [µm] to row d and column j of `profiles`.
 /// `phases` [rad] has the shape (directions M, frequencies N). `weights` [µm] has the shape (any number of rows, N).
 /// The only error in the phase of a harmonic is the round-off of (wavenumber · position) in long double.
-/// Throws std::invalid_argument if shapes do not match, values are out of range, or phases cannot be resolved.
+/// Throws std::invalid_argument if shapes differ, values are out of range, or a phase has too many turns to resolve.
 std::vector<HeightStatistics> harmonic_profiles(MatrixView phases, MatrixView weights, const HarmonicGrid& grid,
                                                 Eigen::Ref<Matrix> profiles,
                                                 const CancellationCheck& check_cancellation = {});

@@ -12,7 +12,7 @@
 
 namespace stiction {
 
-/// Function that returns its values at several increasing arguments in one call.
+/// Function that takes several increasing arguments in one call, and returns one value for each argument.
 using BatchFunction = std::function<std::vector<double>(Values)>;
 
 /// Find, for each level, the argument at which a function first reaches this level from below.
@@ -23,7 +23,7 @@ std::vector<double> find_crossings(const BatchFunction& function, Values levels,
                                    double tolerance);
 
 /// Find the approaches [µm] between `left` and `right` at which the normal load reaches `loads` [mN].
-/// The normal load is computed for mu0 [-] and tau0 [GPa]. The approaches have a relative tolerance of 1e-12.
+/// The normal load depends on mu0 [-] and tau0 [GPa]. Each approach is found to a relative tolerance of 1e-12.
 std::vector<double> approaches_at(const ProfilePair& pair, Values loads, Values left, Values right, double mu0,
                                   double tau0, const ContactModel& model,
                                   const CancellationCheck& check_cancellation = {});

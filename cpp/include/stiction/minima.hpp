@@ -37,7 +37,7 @@ struct CellRange {
 std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& range, double max_value,
                             const CancellationCheck& check_cancellation = {});
 
-/// Evaluate another spline of the same map at the position of a minimum.
+/// Evaluate another spline, on the grid of the same map, at the position of a minimum.
 Jet at_minimum(const MatrixView& coefficients, const Minimum& minimum);
 
 bool is_same(const Minimum& first, const Minimum& second);

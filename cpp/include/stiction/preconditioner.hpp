@@ -35,7 +35,7 @@ class Preconditioner {
   /// Return the grid of blocks: a periodic grid with one point for each block of an area.
   static Grid block_grid(const Grid& area);
 
-  /// Throws std::invalid_argument if the kernel is not on the blocks of the area, or if the stencil is not 3 x 3.
+  /// Throws std::invalid_argument if the grid of the kernel is not `block_grid(area)`, or if the stencil is not 3 x 3.
   Preconditioner(const Grid& area, Values stencil, const ElasticKernel& blocks, Arrays arrays = {});
 
   /// Compute pressures [GPa] at the free points from displacements [µm] on the grid.

@@ -19,8 +19,8 @@ namespace stiction {
 /// The kernel K maps pressures [GPa] to displacements [µm].
 /// The caller computes products of vectors with K, and with a preconditioner M that approximates the inverse of K.
 /// `potential` is K p + g0, so the gap at approach δ is potential - δ.
-/// A point is free if its pressure lies strictly between the bounds.
-/// A point at a bound is also free if the gap at the point drives the pressure away from the bound.
+/// A point is free if its pressure lies strictly between 0 and its bound.
+/// A point at 0 or at its bound is also free if its gap drives the pressure into the range between these limits.
 /// After `restart(potential)`, each iteration consists of the following calls, where a step changes the pressures:
 ///
 /// update_free_points()  ->  residual()  ->  step(M residual, K previous step)  ->  advance(K step)
@@ -48,7 +48,7 @@ class ProjectedCgSolver {
   ProjectedCgSolver(std::vector<double> pressure, double total, Values bound, bool line, Arrays arrays = {});
 
   /// Determine the approach and the free points. Returns the largest |potential - approach| [µm] over the free points.
-  /// No gap of a point under pressure, and no overlap of a point below its bound, is larger than the returned length.
+  /// Gaps of points under pressure, and overlaps of points below their bounds, are at most the returned length.
   /// Returns infinity if potentials are not finite. Throws std::logic_error before the first `restart`.
   double update_free_points(const ThreadPool& pool = ThreadPool());
 
@@ -62,7 +62,7 @@ class ProjectedCgSolver {
   bool is_steepest_descent() const { return steepest_descent_; }
 
   /// Compute the direction of the next pressure step [GPa]. The direction is 0 at points that are not free.
-  /// `response` is K times the previous step, or empty.
+  /// `response` is K times the previous pressure step, or empty.
   std::span<const float> step(std::span<const float> preconditioned, std::span<const float> response,
                               const ThreadPool& pool = ThreadPool());
 
@@ -70,13 +70,13 @@ class ProjectedCgSolver {
   /// `response` must stay valid until the next `update_free_points`. Returns whether any pressure changed.
   bool advance(std::span<const float> response, const ThreadPool& pool = ThreadPool());
 
-  /// Scale the pressures below their bounds to the total load. The caller must then recompute the potential.
+  /// Scale all pressures that are below their bounds to the total load. The caller must then recompute the potential.
   void rescale_to_total();
 
-  /// Restart with steepest descent from a recomputed potential.
+  /// Restart with a steepest-descent step from a potential that the caller has recomputed.
   void restart(std::vector<double> potential);
 
-  /// Return Σ pressure · potential [GPa µm] over all points of the grid. Call `update_free_points` before.
+  /// Return Σ pressure · potential [GPa µm] over all points of the grid. Call `update_free_points` beforehand.
   /// If the initial gap is zero, the sum is twice the elastic energy divided by the area of a cell.
   double pressure_dot_potential() const;
 
@@ -125,7 +125,7 @@ class ProjectedCgSolver {
   std::vector<double> preconditioned_;  // preconditioned residual at free points
   std::vector<double> target_;          // pressure at free points after a full step
   std::vector<double> free_bounds_;     // bound at free points
-  // K times the last step. The potential does not yet include `pending_fraction_` times this response.
+  // Product of K and the last step. The potential does not yet include `pending_fraction_` times this product.
   std::span<const float> pending_response_;
   double pending_fraction_ = 0.0;
   std::vector<std::vector<std::int32_t>> task_free_points_;
@@ -133,7 +133,7 @@ class ProjectedCgSolver {
   double mean_potential_ = 0.0;
   double step_length_ = 1.0;
   double descent_length_ = 1.0;
-  // Value of `descent_length_` before the last step. This value may be restored if a preconditioned step fails.
+  // Value of `descent_length_` before the last step, which may be restored if a preconditioned step fails.
   double previous_descent_length_ = 1.0;
   int failed_steps_ = 0;  // number of failed preconditioned steps since the last successful step
   int descent_steps_left_ = 0;

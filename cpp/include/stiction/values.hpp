@@ -3,7 +3,7 @@
 // Units: lengths in µm, forces in mN, pressures in GPa. 1 GPa = 1 mN/µm², so no conversion factors appear. Height is z.
 // A profile lies along the x axis, in the plane y = 0.
 //
-// Headers without matrices include this file instead of array.hpp, because Eigen takes long to compile.
+// Headers without matrices include this file instead of array.hpp, because Eigen takes a long time to compile.
 #pragma once
 
 #include <cstddef>

@@ -34,10 +34,10 @@ KILLED_PROCESS_TIMEOUT = 1.0  # s
 MAX_WAITING_JOBS = 8
 MAX_OUTPUT_BYTES = 2**25
 JOB_MEMORY_FRACTION = 0.5
-# Fraction of the machine's memory that each of two short processes of the app may use at the same time.
+# Fraction of the machine's memory that a short process of the app may use; two short processes may run in parallel.
 READER_MEMORY_FRACTION = 0.25
 SCOPE_TEXT_SUFFIX = ", here and in the pictures"
-# A command prints its JSON record, which ends with these characters, before it draws figures.
+# A command prints its JSON record before it draws figures. These characters end the JSON record.
 END_OF_JSON_RECORD = b"\n}\n"
 # For each command, the files that the user can save: the name in the app, and the name that the command gives the file.
 FILES_BY_COMMAND = {
@@ -71,7 +71,8 @@ class Job:
     arguments: list[str]
     directory: Path
     preview: tuple[list[str], Any] | None = None  # None without a preview
-    state: str = "waiting"  # "waiting", "running", "done", "stopped" or "failed"
+    # State of the job: "waiting", "running", "done", "stopped" or "failed".
+    state: str = "waiting"
     file_stem: str = ""
     activity: str = ""
     scope: str = ""
@@ -191,7 +192,7 @@ class JobQueue:
         except asyncio.CancelledError:
             final_state, has_begun = "stopped", job.state == "running"
             job.state, job.activity = final_state, "reading the finished part"
-            # Reading fails if no result is stored yet, or if the surfaces do not touch.
+            # Reading the result fails if no result is stored yet, or if the surfaces do not touch.
             with suppress(*REPORTED_EXCEPTIONS):
                 if has_begun and not self._is_ending:
                     await self._read_result(job)

@@ -107,7 +107,7 @@ async def _serve(
 
     for number in (signal.SIGHUP, signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(number, request_shutdown)
-    # Uvicorn's signal handlers would raise the signal again before the app's directory is removed.
+    # Uvicorn must not handle signals: it would end the process before the app's directory is removed.
     http_server.capture_signals = suppress  # type: ignore[method-assign,assignment]
     server.last_request_time = loop.time()
     task = asyncio.create_task(http_server.serve(sockets=[listener]))

@@ -40,7 +40,7 @@ from stiction.study.interfaces import (
     round_median_strength,
 )
 
-# Minimum number of friction tests with sliding from whose scatter the errors of the tests can be estimated.
+# Errors of friction tests are estimated from the scatter of the tests only if at least this many tests reached sliding.
 MIN_SLIDING_TESTS = 3
 MAX_ERROR_SCALE = 3.0
 
@@ -187,7 +187,7 @@ def calibrate(
 
 def _describe_misfit(fit: StrengthFit, *, outliers: bool) -> Iterator[str]:
     """Yield the reasons, if any, why friction tests agree poorly with the friction law that was fitted to the tests."""
-    # With the option `outliers`, the fit does not multiply the given errors of the tests.
+    # With the option `outliers`, the fit uses the given errors of the tests without increasing them.
     if fit.probability < EXCLUSION_P_VALUE_LIMIT and not outliers:
         yield (
             f"its tests deviate from it by more than their errors allow (probability {fit.probability:.1g}), so the "

@@ -43,10 +43,10 @@ from stiction.study.shared_inputs import INPUTS_COMPARED_ELSEWHERE
 
 # Minimum relative standard deviation of the area per load A/F among the tests, if both mu0 and tau0 are fitted.
 MIN_AREA_VARIATION = 0.1
-# A nuisance point is one random sample of all nuisance parameters: the uncertain ones other than mu0 and tau0.
+# A nuisance point is a joint random sample of all nuisance parameters: the uncertain ones other than mu0 and tau0.
 NUM_NUISANCE_POINTS_PER_ROUND = 256
 MAX_NUISANCE_POINTS = 8192
-# Final number of nuisance points: the first number, doubled for each nuisance parameter, but at most the second.
+# Final number of nuisance points if there are no nuisance parameters, and its limit. Each parameter doubles the number.
 FINAL_NUISANCE_POINT_COUNTS = 256, 1024
 MAX_NORMAL_SCORE = 5.0  # standard deviations
 MAX_PROPOSAL_ROUNDS = 8
@@ -54,15 +54,14 @@ MIN_EFFECTIVE_SAMPLE_FRACTION = 0.4
 MIN_EFFECTIVE_SAMPLES = 300.0
 NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31
 NUM_STRENGTH_PAIRS = 4000
-# The grid of mu0 and tau0 extends to 5.8 standard deviations: there, -2 ln(probability density) exceeds its minimum by
-# this number.
+# Grids of mu0 and tau0 end where -2 ln(probability density) exceeds its minimum by this number (5.8² = 34).
 MAX_GRID_DEVIANCE = 34.0
-# Degrees of freedom of two Student's t distributions: of the drawn nuisance points, and of test errors with outliers.
+# Degrees of freedom of Student's t distribution, for drawing nuisance points and for test errors with outliers.
 PROPOSAL_DEGREES_OF_FREEDOM = 5.0
 OUTLIER_DEGREES_OF_FREEDOM = 4.0
 MEDIAN_RELATIVE_DEVIATION_BETWEEN_RUNS = 0.10
 
-# If contacts grow under shear, nuisance points are processed in batches of this size, which limits the memory.
+# If contacts grow under shear, nuisance points are processed in batches of this size to limit the memory use.
 MAX_GROWTH_BATCH_POINTS = 256
 GAIN_PARAMETER_NAME, RUN_SPREAD_PARAMETER_NAME = "gain", "spread between runs"
 
@@ -75,7 +74,7 @@ class _BestFit:
     tau0: float  # GPa
     scores: Floats
     residuals: Floats
-    # Derivatives of the residuals (times `robust_factors`) and of the nuisance parameters by the fitted parameters.
+    # Derivatives of residuals (times `robust_factors`) and of nuisance parameters with respect to fitted parameters.
     jacobian: Floats
     robust_factors: Floats
     scale: float
@@ -90,7 +89,8 @@ class _GridLimits:
     deviance_range: float
     min_tau0: Floats
     max_tau0: Floats
-    best_mu0: Floats | None = None  # shape (points, tau0); None if contacts do not grow under shear
+    # Best mu0 at each nuisance point and tau0, shape (points, tau0); None if contacts do not grow under shear.
+    best_mu0: Floats | None = None
     width_below: Any = None
     width_above: Any = None
 
@@ -100,7 +100,8 @@ class _ProbabilityGrid:
     """Log-probabilities of mu0 and tau0 in the cells of grids, one grid for each sample of the nuisance parameters."""
 
     limits: _GridLimits
-    log_probability: Floats  # shape (points, tau0, mu0), without the prior density
+    # Log-probability in each grid cell without the prior density; shape (nuisance points, tau0 cells, mu0 cells).
+    log_probability: Floats
 
 
 class CalibrationProblem:
@@ -179,8 +180,7 @@ class CalibrationProblem:
         scores_by_name = dict(zip(self.nuisances, np.clip(scores, -MAX_NORMAL_SCORE, MAX_NORMAL_SCORE).T, strict=True))
         shape = len(scores), *(1 for _ in grid_shape)
         probability = {name: ndtr(values).reshape(shape) for name, values in scores_by_name.items()}
-        # Friction tests with equal test equations have the same area factor, unless contacts grow under shear and the
-        # measured coefficients differ.
+        # Equal test equations share an area factor, unless contacts grow under shear and measured coefficients differ.
         cached_factors: dict[Hashable, Floats] = {}
 
         def area_factors_of_test(test: int) -> Floats:
@@ -206,7 +206,7 @@ class CalibrationProblem:
             if GAIN_PARAMETER_NAME in scores_by_name
             else np.ones((len(scores), 1))
         )
-        # The gain multiplies the model, not the measured coefficients, because the errors of tests refer to the latter.
+        # The factor `gain` multiplies computed coefficients, because the given test errors refer to measured ones.
         mu0_coefficient = gain * sums["tangential_frictional"] - self.measured * sums["normal_frictional"]
         tau0_coefficient = gain * sums["tangential_adhesive"] - self.measured * sums["normal_adhesive"]
         right_side = self.measured - gain * sums["tangential_elastic"]
@@ -365,7 +365,7 @@ class CalibrationProblem:
                 step_residuals = residuals_with_growth(
                     x + difference_step * np.concatenate([np.zeros((1, x.size)), np.eye(x.size)])
                 )
-                # Residuals are infinite for a step that makes the interface stronger than the softer body.
+                # Derivatives are set to 0 if a step makes the interface stronger than the softer body.
                 test_rows = np.nan_to_num(
                     (step_residuals[1:] - step_residuals[0]).T / difference_step, posinf=0.0, neginf=0.0
                 )
@@ -453,7 +453,7 @@ class CalibrationProblem:
             float(linregress(loads, best_fit.residuals).pvalue) if num_slid > 2 and np.ptp(loads) > 0 else math.nan
         )
         unstored_names = {GAIN_PARAMETER_NAME, RUN_SPREAD_PARAMETER_NAME}
-        # Normal scores of the area errors are stored only if all tests used the same surfaces.
+        # Samples of the error of the computed area are stored only if all tests used the same surfaces.
         if len({equation.surfaces for equation in self._friction}) > 1:
             unstored_names |= self._area_errors.keys()
 
@@ -486,7 +486,8 @@ class CalibrationProblem:
     def _with_fixed_strengths(self, strengths: tuple[float | None, float | None]) -> CalibrationProblem:
         """Return a copy of the problem in which mu0 and tau0 (GPa) are fixed at the given numbers, or free if None."""
         problem = copy.copy(self)
-        problem.__dict__.pop("best_fit", None)  # fitted with other fixed mu0 and tau0
+        # The cached best fit was computed with other fixed mu0 and tau0, so it is removed.
+        problem.__dict__.pop("best_fit", None)
         problem.fixed_strengths = strengths
         return problem
 
@@ -648,7 +649,7 @@ class CalibrationProblem:
                 (mu0_coefficient_of_test * mu0 + tau0_coefficient[:, test] * tau0 - right_side_of_test)
                 / test_error[:, np.newaxis, np.newaxis]
             )
-        # At each nuisance point, the prior density is uniform in mu0 and in tau0 A/F.
+        # At each nuisance point, the prior density is uniform in mu0 and in tau0 · A/F, where A/F is the area per load.
         best_cell = (
             log_probability.reshape(len(points), -1).argmax(axis=1)
             if self.has_growing_contacts
@@ -979,7 +980,7 @@ def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: flo
     tau0_at_zero_mu0 = first_row[:, 2] / np.where(first_row[:, 1] == 0, 1e-300, first_row[:, 1])
 
     def deviance(tau0: Floats) -> Floats:
-        # The variable `mu0` is the best mu0 at each tau0 times a positive factor: only its sign is correct.
+        # `mu0` is the best mu0 times a positive factor. If it is negative, its square is the deviance due to mu0 = 0.
         mu0 = first_row[:, 2] - first_row[:, 1] * tau0
         return np.asarray((second_row[:, 2] - second_row[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
 

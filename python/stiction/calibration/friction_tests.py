@@ -122,7 +122,7 @@ class AreaFactor:
     In this class, the factor is 1, as for exact inputs and contacts whose area does not change under shear.
     """
 
-    # Exact and uncertain inputs of a friction test, by name. The unknowns mu0 and tau0 are not inputs of a test.
+    # Exact and uncertain inputs of a friction test, keyed by name. The unknowns mu0 and tau0 are not inputs of a test.
     inputs: Mapping[str, UncertainInput]
     # Checksum of the surfaces of the test: tests with equal checksums have the same loss of contact area under shear.
     surfaces: str

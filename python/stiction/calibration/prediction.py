@@ -103,8 +103,7 @@ class Interface(InterfaceStrength):
         is_measured_pair = not isinstance(result, (Ball, FrictionCurve)) and MemberSums.of(result).study.is_measured
         if is_measured_pair:
             combined = predict_coefficient(MemberSums.of(result), float(test.load), self)
-            # The combined interval is NaN for a single relative position of the bodies; the calibration fit then gives
-            # the interval.
+            # For a single relative position of the bodies, the combined interval is NaN, so the fit's interval is used.
             if not any(map(math.isnan, combined)):
                 return combined
 
@@ -116,7 +115,7 @@ class Interface(InterfaceStrength):
             scores = {**independent_scores, **fit.scores}
             law = FrictionLaw(fit.mu0, fit.tau0)
             samples = area_factor.input_values({name: ndtr(scores[name]) for name in area_factor.nuisance_names})
-            # An input shared with the tests takes its samples from the fit if it is uncertain in the result.
+            # If an uncertain input of the result is shared with the tests, the samples drawn by the fit are used.
             shared_names = shared_inputs.keys() & area_factor.uncertain_inputs.keys()
             samples |= {name: shared_inputs[name].sample(fit) for name in shared_names}
             area, friction_fraction = area_factor.onset_area_and_friction_factors(samples, law)

@@ -63,8 +63,7 @@ def _redirect_closed_streams() -> None:
         try:
             os.fstat(number)
         except OSError:
-            # If a standard stream is closed, `os.fstat` fails. `os.open` then returns the number of this stream: it is
-            # the lowest free number.
+            # `os.fstat` fails for a closed standard stream. `os.open` then returns its number, the lowest free number.
             null_device = os.open(os.devnull, os.O_RDWR)
             setattr(sys, name, os.fdopen(null_device, "w" if number else "r"))
 

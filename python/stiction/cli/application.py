@@ -57,7 +57,7 @@ def _redirect_to_null_device(stream: TextIO) -> None:
 
 def report_interruption(detail: str = "") -> typer.Exit:
     """Print that the command was interrupted, and return an exception that exits with status 130."""
-    # SIGINT is ignored from here, because a second Ctrl-C would only print a traceback.
+    # SIGINT is ignored from this point on, because a second Ctrl-C would only print a traceback.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     print_message(f"interrupted{detail}")
     return typer.Exit(EXIT_INTERRUPTED)
@@ -152,7 +152,7 @@ def format_help_epilog(*lines: str) -> str:
     return "\b\n" + "\n".join(["Examples:", *(f"  {line}" for line in lines), "", EXIT_STATUS_HELP])
 
 
-# In the help, Typer prints a default that is described by a text in parentheses.
+# In help texts, Typer puts a default in parentheses if it is a description instead of a value.
 _DEFAULT_VALUE_PATTERN = re.compile(r"\[default: \(([^()]*)\)")
 _RANGE_LIMITS_PATTERN = re.compile(r"(; )?\bx[<>]=?[-\d.]+")
 # Typer appends the type of an option to the option's name.
@@ -328,7 +328,7 @@ def run_command_line() -> int:
     except ArgumentError as error:
         print_message(error.translated_message(_option_name))
     except (AttributeError, ImportError) as error:
-        # Only the text of the error names the module, because an error from a worker process lacks the attribute `obj`.
+        # An error from a worker process has no attribute `obj`, so the module is recognized by the error's text.
         is_core_unfit = re.search(r"'stiction\._core['.]", str(error)) is not None
         if isinstance(error, AttributeError) and not is_core_unfit:
             raise

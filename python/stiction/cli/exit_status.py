@@ -29,7 +29,7 @@ def exit_on_interrupt() -> Iterator[None]:
 
     is_main = threading.current_thread() is threading.main_thread()
     if not is_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        # A custom handler of SIGINT stays installed. In a background job, SIGINT remains ignored.
+        # Only Python's default SIGINT handler is replaced: a background job, for example, continues to ignore SIGINT.
         yield
         return
     try:

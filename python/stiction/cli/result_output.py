@@ -85,7 +85,7 @@ def _summarize(result: Result) -> Summary:
     import xarray
 
     try:
-        # Warnings are suppressed: the warning about a large tau0 was already printed when the study was created.
+        # A warning about a large tau0 would be repeated here: it was already printed when the study was created.
         with warnings.catch_warnings(action="ignore"):
             return result.summary()
     except StoreError:

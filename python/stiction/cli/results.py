@@ -172,7 +172,7 @@ def export(
     from stiction.views.files import check_joint_file, choose_joint_parameters, is_card
 
     chosen_units: Any = units
-    # In a directory that contains a study, a file with the name of a shear test may be an export of the study.
+    # In the directory of a study, a file named like a stored shear test may be an export of the study.
     has_study = (directory / STUDY_FILE).exists()
     if not has_study and (test := load_shear_test(directory)) is not None:
         reject_options(
@@ -196,7 +196,7 @@ def export(
         result = _compute_joint(result, directory / JOINT_DIRECTORY, workers, loads, closure_from)
     else:
         reject_options(context, "requires --compute", "workers")
-    # The export of a joint table or card warns of missing loads itself.
+    # The export of a joint table or finite-element card prints its own warning about missing loads.
     if loads is not None and not (joint or is_card(file)):
         values = result.at(loads, quantities=[])
         report_missing_loads(result, values, find_loads_without_values(result, values))

@@ -51,7 +51,7 @@ ONSET_TO_SOLUTION_TIME_RATIO = 8
 ONSET_LOAD_FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0)
 """Tangential loads of the onset curve, as fractions of the sliding load."""
 
-# Relative tolerance of the tangential tractions, with which displacements have a relative error of about 1e-7.
+# Relative tolerance of the tangential tractions; it causes a relative error of displacements of about 1e-7.
 TRACTION_TOLERANCE = 1e-5
 _CURVE_TITLES = {
     "tangential_load": "tangential load",
@@ -175,7 +175,7 @@ def _average_onset_curves(study: Study, curves: Sequence[dict[str, Any]], attrib
             member_dependence.mean_with_interval(np.array([curve[name] for curve in curves])), *QUANTITIES[name].bounds
         )
         variables[name] = (dims, values, quantity_attributes(name))
-    # The usual `long_name` names the onset of sliding, but the curve also contains loads below the sliding load.
+    # The usual `long_name` describes the sliding load only, but the curve also contains loads below the sliding load.
     variables["tangential_load"][2]["long_name"] = "tangential load"
     coordinates: dict[str, Any] = {
         "fraction": (
@@ -295,7 +295,7 @@ class OnsetSummary:
     displacement_at_sliding: Estimate  # µm
     stiffness: Estimate  # mN/µm
     unloading_stiffness: Estimate  # mN/µm
-    # Points of the onset curve, by the ratio of the tangential load to the sliding load.
+    # Points of the onset curve, keyed by the ratio of the tangential load to the sliding load.
     curve: dict[float, OnsetCurvePoint]
     models: dict[str, dict[str, float]]
 

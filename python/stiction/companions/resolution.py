@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from stiction.study.measured_bodies import ScanCutoffs
 
 CUTOFF_STUDY_DIRECTORY = "resolution"
-# Members of a cutoff study: fewer for height maps, whose solution takes much longer than that of lines.
+# Number of members of a cutoff study. Height maps get fewer members, because they take much longer to solve than lines.
 MAX_CUTOFF_STUDY_MAP_MEMBERS = 4
 MAX_CUTOFF_STUDY_LINE_MEMBERS = 16
 # Maximum number of cutoffs in a cutoff study; each cutoff above 0 is twice the next smaller one.
@@ -74,7 +74,7 @@ def build_cutoff_study(study: Study) -> Study | None:
         if cutoffs[0] == 0
         else cutoffs[0] * 2.0 ** np.arange(1, MAX_CUTOFFS)
     )
-    # Lengths are rounded up, so that no cutoff is shorter than two grid spacings, the shortest wavelength of a grid.
+    # Cutoffs are rounded up, so that none is shorter than two grid spacings, the shortest wavelength of a grid.
     rounded_cutoffs = [
         cutoffs[0],
         *(
@@ -151,12 +151,14 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
 class ResolvedRoughness:
     """Roughness of the gap at the wavelengths that the scans resolve, with an extrapolation to shorter wavelengths."""
 
-    shortest: float  # µm, cutoff or two grid spacings
+    # Shortest resolved wavelength (µm): the cutoff or, if it is larger, two grid spacings.
+    shortest: float
     two_points: float  # two grid spacings, µm
     longest: float  # µm
     gradient: float
     roughness: ScaleDependentRoughness
-    estimate: HurstEstimate | None  # None if the spectrum has no self-affine band
+    # Estimate of the Hurst exponent; None if the spectrum has no self-affine band.
+    estimate: HurstEstimate | None
 
     @property
     def shortest_octave_fraction(self) -> float:
@@ -242,7 +244,8 @@ class YieldWavelengthEstimate:
     """Cutoff at which the pressure of elastic contacts reaches a hardness, and the friction of yielding contacts."""
 
     hardness: float
-    wavelength: Estimate  # µm; NaN if the mean pressure stays below the hardness
+    # Cutoff (µm) below which elastic contacts would yield; NaN if the mean pressure stays below the hardness.
+    wavelength: Estimate
     friction: float
 
 

@@ -122,7 +122,7 @@ def at_load(
         )  # fmt: skip
     if is_measured and is_requested("load_definition_effect", names):
         other_definition: LoadDefinition = "normal" if load_definition == "elastic" else "elastic"
-        # Ensemble means neglect growth and loss of contact area under shear, so the compared coefficient does, too.
+        # Ensemble means neglect junction growth and area loss, so the coefficient compared with them neglects both too.
         other_result = (
             result
             if load_definition != "mean"

@@ -51,7 +51,7 @@ NORMAL_DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
 MAX_CACHED_AREAS = 64
-# Maximum number of cached pressures, enough for all mu0 and tau0 of a report.
+# Maximum number of cached pressures, which suffices for all combinations of mu0 and tau0 in one report.
 MAX_CACHED_PRESSURES = 256
 
 
@@ -203,7 +203,7 @@ class InputSampler:
         from scipy.special import ndtri
 
         if fixed:
-            # The other inputs and errors keep the samples that they have if no input is fixed.
+            # Inputs and errors that are not fixed keep the samples of a draw in which no input is fixed.
             samples = self.draw_samples(inputs, names, _NO_FIXED_INPUTS)
             probabilities = {name: np.array([quantile]) for name, quantile in fixed.items() if name in names}
         else:
@@ -260,7 +260,7 @@ class CombinedIntervals:
         self.sampling_estimate: Floats = point["mean_friction"]
         self.names: tuple[str, ...] = ()
         self.inputs: dict[str, UncertainInput] = {name: study_input.estimate for name, study_input in inputs.items()}
-        # `strengths` starts with samples from the fit of mu0 and tau0; those from fits with mu0 = 0 or tau0 = 0 follow.
+        # In `strengths`, samples from fits with mu0 = 0 or tau0 = 0 follow the samples from the fit of both parameters.
         self.strengths = strengths
         self.is_tested = any(samples.area_scores is not None for samples in strengths)
         self.area_error = area_error
@@ -276,7 +276,7 @@ class CombinedIntervals:
         self.value, self.sampling = value, (lower, upper)
         # Lower and upper limit of the coefficient that finer scans could give, computed from the mean coefficient.
         self.finest: tuple[float, float] | None = None
-        # Same range as `finest`, but its upper limit is computed from the upper limit of the interval of the mean.
+        # Coefficient limits for finer scans, the upper one computed from the upper limit of the mean's interval.
         self.bracket: tuple[float, float] | None = None
         is_nonadhesive_half_space = study.uses_half_space and not study.contact.adheres
         if study.contact.hardness is not None and is_nonadhesive_half_space and self.rule == "all":
@@ -510,7 +510,7 @@ class CombinedIntervals:
         together with other coefficients.
         """
         response = self.response
-        # The key is rounded to 12 decimals: further decimals of an estimate depend on other coefficients in the array.
+        # The key contains 12 decimals of the estimate: later decimals depend on other coefficients in the array.
         estimate = self.sampling_estimate.round(12).tobytes()
         coefficient = response.load, id(response.area), self.rule, self.mu0, self.tau0, estimate
         interval_key = coefficient, self.names, (*fixed.items(),), dwell_time

@@ -166,7 +166,7 @@ class _SolvedAreas:
 
     all_members: Floats
     elastic_members: Floats
-    # True areas if the bodies were elastic, or NaN if the study needs no elastic areas.
+    # True areas (µm²) of elastic bodies that never yield, or NaN if the study needs no elastic areas.
     elastic: Floats
 
 

@@ -57,11 +57,13 @@ class LoadCrossings:
     A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
     """
 
-    index: NDArray[np.intp]  # shape (..., loads); first loading step at or above each load
-    fraction: Floats  # shape (..., loads); position between two loading steps, 0 to 1
+    # Index of the first loading step at or above each load; shape (..., loads).
+    index: NDArray[np.intp]
+    # Position of each load between two loading steps, from 0 to 1; shape (..., loads).
+    fraction: Floats
     reached: NDArray[np.bool_]
     below: NDArray[np.bool_]
-    # Loads of the load curves and requested loads if ratios of quantities to the load are interpolated, otherwise None.
+    # Loads of the load curves, and requested loads, if ratios of quantities to loads are interpolated; otherwise None.
     scale: tuple[Floats, Floats] | None = None
 
     @classmethod
@@ -132,8 +134,7 @@ class LoadCrossings:
         values = np.broadcast_to(values, (*shape, values.shape[-1]))
         values_after = np.take_along_axis(values, index, axis=-1)
         values_before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
-        # NumPy must not warn: the quantity one loading step before a reached step may be NaN, and the stiffness at
-        # complete contact is infinite.
+        # NaN is expected one loading step before a reached step, and infinite stiffness at complete contact.
         with np.errstate(invalid="ignore"):
             interpolated = np.where(
                 fraction == 1, values_after, values_before + fraction * (values_after - values_before)
@@ -238,7 +239,7 @@ class MeansAtLoads:
 
     def __init__(self, normal: Floats, quantities: Sequence[Floats], repetitions: int, loads: Floats) -> None:
         self.crossing = LoadCrossings.from_curves(normal, loads)
-        # The arrays have one element for each crossing of a load curve with a requested load that the curve reaches.
+        # These arrays have one element for each pair of a load curve and a requested load that the curve reaches.
         self._curve, load = map(np.ascontiguousarray, np.nonzero(self.crossing.reached))
         self._index, self._fraction = self.crossing.index[self._curve, load], self.crossing.fraction[self._curve, load]
         self._repetitions = repetitions
@@ -320,7 +321,7 @@ class _QuantityAtLoads:
         is_symmetric = ~self.keeps_sign | ~self._logarithms.is_finite()
         if is_symmetric.any():
             half_width = self._differences.half_width()
-            # If loads and quantities are equal in all repetitions, the half width is 0 apart from round-off.
+            # With equal loads and quantities in all repetitions, the interval's half width is 0 apart from round-off.
             round_off = MAX_RELATIVE_ROUND_OFF * (np.abs(mean) + np.abs(self._slope) * self._load)
             half_width = np.where(half_width <= round_off, 0.0, half_width)
             lower_bound = np.where(self.has_negative_values, -np.inf, 0.0)[curve]
@@ -481,12 +482,12 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
     has_spread = (standard_deviation > 0) & (values != values[:, :1]).any(axis=1)
     y, rho = deviations / np.where(has_spread, standard_deviation, 1.0)[:, np.newaxis], _TRIAL_NEIGHBOUR_CORRELATIONS
     y[~has_spread] = np.linspace(-1.0, 1.0, value_count)
-    # The inverse of an autoregressive correlation matrix R is tridiagonal, so 1' R^-1 1 and y' R^-1 y are short sums.
+    # The inverse of an autoregressive correlation matrix R is tridiagonal, so quadratic forms with R^-1 are short sums.
     weight_sums, inflation, quantile, density = _compute_mixture_constants(value_count)
     end_values = y[:, [0, -1]]
     inner_sums, end_squares = y[:, 1:-1].sum(axis=1)[:, np.newaxis], np.square(end_values).sum(axis=1)[:, np.newaxis]
     products = (y[:, 1:] * y[:, :-1]).sum(axis=1)[:, np.newaxis]
-    # `centre` has one row per series of values and one column per trial value of `rho`, the correlation of neighbours.
+    # `centre` has one row per series of values, and one column per trial correlation `rho` of neighbouring values.
     centre = (end_values.sum(axis=1)[:, np.newaxis] + (1 - rho) * inner_sums) / (1 + rho) / weight_sums
     total_squares = (1 + rho**2) * (np.square(y).sum(axis=1)[:, np.newaxis]) - rho**2 * end_squares - 2 * rho * products
     squares = total_squares / (1 - rho**2) - weight_sums * centre**2
@@ -495,8 +496,7 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
     weights /= weights.sum(axis=1, keepdims=True)
     standard_errors = np.sqrt(squares / (value_count - 1) * inflation)
 
-    # For positive arguments, the distribution function of the mean is concave, so Newton steps from a smaller number
-    # do not overshoot the quantile.
+    # Newton steps from below the quantile do not overshoot it, because the distribution function is concave above 0.
     quantile_estimate, moving_rows = quantile * standard_errors.min(axis=1), np.arange(mean.size)
     for _ in range(_MAX_NEWTON_STEPS):
         row_weights, row_errors = weights[moving_rows], standard_errors[moving_rows]
@@ -543,7 +543,8 @@ class ScanPairMean:
     """Mean of a quantity over all pairs of an upper and a lower scan, with its variance components."""
 
     mean: float
-    variances: tuple[float, ...]  # due to upper scans, lower scans and positions
+    # Components of the variance that are due to upper scans, lower scans and positions.
+    variances: tuple[float, ...]
     # Degrees of freedom of the variance of the mean (Satterthwaite, 1946).
     freedom: float
     test: float
@@ -594,7 +595,7 @@ def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[n
     freedom = float(freedoms[~is_separate].sum())
     residual_variance = float(sums[~is_separate].sum()) / max(freedom, 1.0)
     variance_components = np.append(np.where(is_separate, mean_squares - residual_variance, 0.0)[:2], residual_variance)
-    # With n separate mean squares, the variance components add up to their sum plus (1 - n) · (residual variance).
+    # The sum of the variance components is the sum of the n separate mean squares, plus (1 - n) · (residual variance).
     component_weights = np.append(
         np.where(is_separate, mean_squares, 0.0)[:2], (1 - is_separate.sum()) * residual_variance
     )

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 DatasetTransformation: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
 MAX_VALUES_IN_MEMORY = 2**18
 MAP_CELL_DIMENSION_NAMES = ("fractal_dimension", "amplitude", "cut_off")
-# Dimensions that a result has only if it covers several sliding rules or directions.
+# A result has these dimensions only if it covers several sliding rules or several directions of motion.
 MOTION_DIMENSION_NAMES = ("sliding", "direction")
 _LOAD_VARIABLES = ("contact_count", *friction.LOAD_SUM_NAMES[:3])
 
@@ -522,7 +522,7 @@ def choose_mu0_and_tau0(result: MemberSums, mu0: ArrayLike | None, tau0: ArrayLi
         tau0 = [float(value) for value in study.friction.tau0] if tau0 is None else tau0
         tau0_values = friction.validate_friction_parameter("tau0", tau0)
         if study.friction.interface is not None:
-            # Nobody specified the unit of a tau0 that was fitted to friction tests.
+            # A tau0 fitted to friction tests causes no warning about a wrong unit, because nobody has entered it.
             tau0_values = np.setdiff1d(tau0_values, [float(value) for value in study.friction.tau0])
         friction.warn_if_tau0_is_large(tau0_values, float(study.contact.effective_modulus))
     arrays_by_name = {

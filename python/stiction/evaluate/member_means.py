@@ -23,7 +23,7 @@ from stiction.study.study import Study
 if TYPE_CHECKING:
     import xarray
 
-# Quantiles of the coefficients of single members, stored as `spread_low` and `spread_high`.
+# Quantiles of the friction coefficients of individual members, stored as `spread_low` and `spread_high`.
 SPREAD_QUANTILES = (0.1, 0.9)
 FULL_CONTACT_STATUS, AREA_ABOVE_NOMINAL_STATUS = "complete", "above-nominal"
 """Statuses of contacts with a true area equal to the nominal area (first) or above it (second).
@@ -98,7 +98,7 @@ def average_members(
         _remove_negative_means(directional_means, is_downhill),
         attributes,
     )
-    # A mean over directions is undefined if the slider slides by itself in one of them, unless mu0 = tau0 = 0.
+    # A mean over directions is undefined if the slider slides by itself in one direction, unless mu0 = tau0 = 0.
     has_strength = np.add.outer(members["mu0"].values, members["tau0"].values) > 0
     counts_as_downhill = is_downhill & ~(directional_means[..., 2] >= 0) & has_strength
 
@@ -306,7 +306,7 @@ def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Datase
     directions cancel except for round-off, which would have a random sign.
     """
     mu0, tau0 = (members[name].values.reshape([-1 if dim == name else 1 for dim in dims]) for name in ("mu0", "tau0"))
-    # With few members, the limits of an interval are NaN, and comparisons with them are False.
+    # With few members, the limits of an interval are NaN, so each comparison with a limit is False.
     exceeds_round_off = (np.abs(means) >= NEGLIGIBLE_COEFFICIENT).any(axis=-1)
     is_zero = ~exceeds_round_off & (mu0 == 0) & (tau0 == 0)
     return np.where(is_zero[..., np.newaxis] & ~np.isnan(means), 0.0, means)
@@ -366,7 +366,7 @@ class MemberDependence:
         if self.order is None or self.lines is None:
             return np.stack(intervals.average_independent_values(values), axis=-1)
         flat_values = values[self.order].reshape(values.shape[0], -1)
-        # Columns with values of the same members are evaluated together; most columns have values of all members.
+        # Columns in which the same members have values are averaged together. In most columns, all members have values.
         is_finite = np.isfinite(flat_values)
         is_incomplete = ~is_finite.all(axis=0)
         masks, mask_indices = [np.ones(len(flat_values), bool)], np.zeros(flat_values.shape[1], np.intp)

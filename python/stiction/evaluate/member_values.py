@@ -383,7 +383,7 @@ def _compute_opposing_fraction(
         for rule in ("opposing", "all")
     )
     with np.errstate(divide="ignore", invalid="ignore"):
-        # The denominator `total_load` is Σ F |t·s|, which equals the load to first order in the slopes.
+        # To first order in the slopes, the denominator `total_load` is the load on all contacts.
         fraction = opposing_load / total_load
     return {"share_opposing": ((*member_dims, "direction", "load"), fraction, quantity_attributes("share_opposing"))}
 
@@ -520,7 +520,7 @@ def _determine_member_status(piece: xarray.Dataset, loads: Floats, forces: _Memb
     status = np.array(np.broadcast_to(status, forces.normal.shape), STATUS_DTYPE)
     step_dimension = find_step_dimension(piece)
     if "status" in piece:
-        # If a load has no coefficient, its status is that of the next loading step, unless that status is "ok".
+        # If no coefficient exists at a load, its status is that of the next loading step, unless that status is "ok".
         status_codes = _to_float_array(
             piece.variables["status"], (*find_cell_dimensions(piece), "repetition", step_dimension)
         ).astype(int)

@@ -37,7 +37,7 @@ class SlidingRuleCoefficient(Estimate):
 
     _: KW_ONLY
     rule: str  # "all" or "opposing"
-    # "ok", or the status of a direction of motion in which no friction coefficient could be computed.
+    # Status of the coefficient: "ok", or the status of a direction of motion without a friction coefficient.
     status: str = STATUS_OK
     interval_of_mean: Interval = UNKNOWN_INTERVAL
     prediction_interval: Interval = UNKNOWN_INTERVAL
@@ -47,9 +47,9 @@ class SlidingRuleCoefficient(Estimate):
     # Small-slope estimate of the coefficient (`gentle_friction`), or NaN for generated bodies.
     slopes: float = math.nan
     is_outside_asperity_model: bool = False
-    # Friction coefficients averaged over both directions along an axis, by the angle of the axis (degrees).
+    # Friction coefficients averaged over both directions along an axis, keyed by the angle of the axis (degrees).
     by_axis: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
-    # Mean friction coefficient with the interval of this mean, by the direction of motion (degrees).
+    # Mean friction coefficient and the interval of this mean, keyed by the direction of motion (degrees).
     by_direction: Mapping[float, Estimate] = field(default_factory=dict, repr=False)
 
     @property

@@ -30,7 +30,7 @@ class PullOffValues:
     force: Estimate
     pressure: Estimate
     friction: Estimate
-    # True if only a lower bound of the pull-off force is known for some members.
+    # True if only a lower bound of the pull-off force is known for some members of the pair.
     is_bound: bool
     area_inputs: tuple[str, ...] = ()
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 MIN_INPUT_SAMPLES = 2**10
-# Maximum of (number of input samples) · (number of displacements), which determines the required memory.
+# Maximum product of the numbers of input samples and displacements; the product determines the memory use.
 MAX_CURVE_VALUE_COUNT = 2**21
 CONTACT_INPUTS = ("hardness", "effective_modulus")
 """Names of the inputs that change the contacts themselves, so that the shear test is repeated at their limits."""
@@ -42,7 +42,7 @@ CURVE_NAMES = ("friction_coefficient", "shear_stress", "dilation")
 SHEAR_INTERVAL_ATTRIBUTES = ("peak", "peak_displacement_um", "peak_dilation_angle_deg", "peak_shear_stress_GPa", "end")
 """Names of the dataset attributes of a shear test that have an interval."""
 
-# Arrays by quantity; the first axis of each array runs over random samples of the inputs or over strips of the faces.
+# Arrays keyed by quantity. The first axis of each array runs over random input samples or over strips of the faces.
 _Samples = dict[str, Floats]
 
 
@@ -357,7 +357,7 @@ def _add_interval_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.D
             continue
         lower, upper = map(float, limits[name])
         if name == "peak_dilation_angle_deg" and lower == upper:
-            # All samples peak at the same displacement, but the true peaks may lie between two displacements.
+            # The interval is unknown if all samples peak at one displacement: true peaks may lie between computed ones.
             continue
         if name == "peak_displacement_um":
             index = int(np.nanargmax(test["friction_coefficient"].values))
@@ -372,7 +372,7 @@ def _add_interval_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.D
             test[name].attrs | {"long_name": f"95 % interval of the {test[name].attrs['long_name']}"},
         )
         for name in (*CURVE_NAMES, *CLOSURE_NAMES)
-        # A curve that is the same for all inputs and strips has no interval: its uncertainty is unknown, and not 0.
+        # No interval is stored for a curve that is equal for all inputs and strips: its uncertainty is unknown, not 0.
         if not (limits[name][..., 0] == limits[name][..., 1])[~np.isnan(test[name].values)].all()
     }  # fmt: skip
     return test.assign_coords(end=["lower", "upper"]).assign(variables).assign_attrs(attributes)

@@ -41,35 +41,35 @@ from stiction.mechanics.half_space_problem import (
 )
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
 
-# Number of plain steps between two extrapolated steps of the attraction; plain steps damp oscillations.
+# Number of iteration steps without extrapolation between two steps with extrapolation; the former damp oscillations.
 NUM_UNACCELERATED_STEPS = 2
 MAX_EXTRAPOLATION_FACTOR = 10.0
 MAX_SOLVES_PER_LOAD = 2000
-# After this number of contact solutions, the energy is minimized, which takes fewer iterations for soft bodies.
+# After this number of contact solutions, the solver minimizes the energy: soft bodies then need fewer iterations.
 MAX_SOLVES_BEFORE_MINIMIZATION = 6
 MAX_SOLVES_PER_CONTACT_LOAD = 60
 MAX_SOLVES_PER_TRIAL_CONTACT_LOAD = 12
 MAX_STALLED_SOLVES = 20
 MAX_RESIDUAL_TO_TOLERANCE_RATIO = 10.0
-# Smallest tolerance of a contact solution: round-off may prevent convergence to a smaller one.
+# Smallest tolerance of a contact solution; with a smaller tolerance, round-off may prevent convergence.
 MIN_SOLUTION_TOLERANCE = 1e-8
 TOLERANCE_TO_RESIDUAL_RATIO = 0.05
-# Without extrapolated steps, the errors of contact solutions do not grow, so a large tolerance is enough.
+# Without extrapolation, errors of contact solutions do not grow from step to step, so a large tolerance suffices.
 PLAIN_TOLERANCE_TO_RESIDUAL_RATIO = 1.0
 MAX_SOLUTION_TOLERANCE = 1e-3
-# Numerical errors may raise the attraction by this fraction of its maximum while the bodies separate.
+# Numerical errors may raise the attraction by this fraction of the maximum attraction while the bodies separate.
 MAX_NUMERICAL_ATTRACTION_INCREASE = 1e-3
 # Bodies count as separate if the contact load is below this fraction of the mean attraction at first contact.
 MIN_CONTACT_LOAD_RATIO = 1e-3
 CONTACT_LOAD_REDUCTION_RATIO = 0.6
-# The search for the pull-off load ends if the bodies separate within this fraction of the lowest equilibrium load.
+# Relative tolerance of the pull-off load, which lies between the lowest equilibrium load and a load of separation.
 PULL_OFF_LOAD_TOLERANCE = 0.01
-# A pull-off load is confirmed if plain steps separate the bodies at an external load that is lower by this fraction.
+# A pull-off load is confirmed if steps without extrapolation separate the bodies at a load lower by this fraction.
 LOAD_MARGIN_OF_MINIMUM_CHECK = 0.05
 MIN_PREDICTED_LOAD_DECREASE = 0.003
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
 MAX_REFINEMENT_SOLVES = 6
-# If the external load changes by a larger fraction, the separating bodies may skip equilibria.
+# Maximum relative change of the external load: after a larger change, separating bodies may skip equilibria.
 MAX_LOAD_STEP = 0.1
 MAX_TRIAL_LOADS = 40
 # Minimum number of points per side of a grid whose pull-off load is first searched for on a coarser grid.
@@ -90,7 +90,7 @@ class _IterationState:
     attraction: Floats
     pressure: Floats | None = None
     contact_load: float = math.nan
-    # Attraction after the plain step, to which the iteration returns if the extrapolated step loses contact.
+    # Attraction after a step without extrapolation, to which the iteration returns if extrapolation loses contact.
     plain_attraction: Floats | None = None
     residual: float = math.inf
     least_residual: float = math.inf
@@ -288,7 +288,7 @@ class AdhesionSolver:
             state.residual = residual
             state.stalled_count = 0 if residual < state.least_residual else state.stalled_count + 1
             state.least_residual = min(state.least_residual, residual)
-            # If the residual stalls, contact solutions may be too inaccurate, so their tolerance is reduced.
+            # If the residual stops decreasing, contact solutions may be too inaccurate, so their tolerance is reduced.
             if state.stalled_count > MAX_STALLED_SOLVES:
                 state.tolerance_ratio, state.stalled_count = state.tolerance_ratio / 10, 0
             next_attraction = np.clip(attraction + attraction_change, 0.0, self.max_attraction)
@@ -393,8 +393,7 @@ class AdhesionSolver:
             return states
         # No energy minimization starts from a state found at a given contact load, because this state may be unstable.
         states, stable_states = [*first_states, find_state_of_lowest_load(states)], list(first_states)
-        # Contact loads are positive and the mean attraction decreases, so the external load of each later state exceeds
-        # -(mean attraction of an earlier state).
+        # Later external loads exceed -(mean attraction so far): contact loads are positive, and attraction decreases.
         unsupported_load, is_certain = -first_states[-1].mean_attraction, True
         try:
             first_load = self._find_pull_off_load_on_coarser_grid(start)
@@ -411,7 +410,7 @@ class AdhesionSolver:
                     load = min(max(load, (1 + relative_step) * least_load), next_load)
                     relative_step *= 2
                     if unsupported_load >= next_load:
-                        # The bodies separated from a state at a distant load, so they may have skipped equilibria.
+                        # The bodies separated after a large change of the load, so they may have skipped equilibria.
                         is_near = near.load < (1 - MAX_LOAD_STEP) * unsupported_load
                         load = unsupported_load if is_near else near.load + approach_step * (least_load - near.load)
                 if number == 0 and unsupported_load < first_load < least_load:
@@ -707,7 +706,7 @@ def solve_separation(
     start_values = float(pressure.mean()), contact_solution.load / total_area, contact_solution.approach
     start = AdhesionState(pressure.ravel(), np.asarray(contact_solution.attraction), *start_values)
     descending_states, least_load = [], start.load
-    # Under a decreasing external load, the bodies reach only equilibria with a lower load than all earlier equilibria.
+    # Under a decreasing external load, bodies reach only equilibria at loads below all earlier equilibrium loads.
     for state in solver.trace_separation(start)[1:]:
         if state.load < least_load:
             descending_states.append(state)

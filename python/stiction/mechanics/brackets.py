@@ -19,7 +19,7 @@ from stiction.surfaces.surface import Surface
 if TYPE_CHECKING:
     import xarray as xr
 
-# Lower bound of the 95 % limit for the change of ln κ by a finer scan; κ = A E* h'/F is the area coefficient.
+# Minimum half width of the 95 % interval for the change of ln κ by a finer scan; κ = A E* h'/F is the area coefficient.
 MIN_LOG_KAPPA_SPREAD = 0.1
 EXTRAPOLATED_WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 

@@ -26,7 +26,7 @@ from stiction.mechanics.model import SlidingRule
 # Number of bisections after which the logarithm of an ellipse's axis ratio is exact to the last bit.
 _NUM_BISECTIONS = 64
 _SLOPE_ROUND_OFF_TOLERANCE = 1e-9
-# Standard deviation of the slopes s below which a short series gives the mean of (1 + s²)^(1/2) with full precision.
+# Below this standard deviation of slopes s, a short series gives the mean of (1 + s²)^(1/2) with full precision.
 _SMALL_SLOPE_LIMIT = 1e-3
 
 _P = ParamSpec("_P")
@@ -498,7 +498,7 @@ def fuller_tabor(
     relative_pull_off = np.empty(relative_deviations.shape)
     for index in np.ndindex(relative_pull_off.shape):
         relative_deviation = float(relative_deviations[index])
-        # Contact radii a are in units of the radius at zero load, heights in units of δ, loads in units of 3/2 π w R.
+        # Contact radii are relative to the radius at zero load, heights to the stretch δ, and loads to 3/2 π w R.
         a = np.linspace(6 ** (-2 / 3), 1 + np.sqrt(3 + 3 * relative_deviation), 4000)
         force, height = 4 * (a**3 - a**1.5), (a**2 - np.sqrt(a) * 2 / 3) * 6 ** (4 / 3) / 3
 
@@ -687,7 +687,7 @@ def hertz_ellipse(
     )
     larger_radius, smaller_radius = np.maximum(r1, r2), np.minimum(r1, r2)
     ratio = smaller_radius / larger_radius
-    # Bisection between `ratio` and 1 finds the axis ratio k: R_D(0, k², 1)/R_D(0, 1, k²) increases with k, and is < k.
+    # Bisection finds the axis ratio k between `ratio` and 1, because R_D(0, k², 1)/R_D(0, 1, k²) < k increases with k.
     log_low, log_high = np.log(ratio), np.zeros(ratio.shape)
     for _ in range(_NUM_BISECTIONS):
         log_middle = 0.5 * (log_low + log_high)

@@ -224,7 +224,7 @@ class FrictionLaw:
             area_at_onset = np.where(is_carried, area(np.where(is_carried, pressure, hardness)), np.inf)
             return OnsetState(plastic_coefficient, area_at_onset, np.ones(()))
         area_at_onset = area(pressure)
-        # If contacts at the yield pressure cannot carry the load, they cover the whole nominal area.
+        # If the yield pressure on the nominal area cannot carry the load, contacts cover the whole nominal area.
         can_shear = self.is_stronger_than_body(hardness) | (pressure <= load / nominal_area)
         if not np.any(can_shear):
             return OnsetState(plastic_coefficient, area_at_onset, np.ones(()))

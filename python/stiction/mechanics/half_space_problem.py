@@ -34,7 +34,7 @@ quarter of the time of solving a contact with free boundaries.
 
 TRIAL_TILT_TO_MEAN_DISPLACEMENT_RATIO = 0.01
 LINEAR_RESPONSE_TOLERANCE = 1e-7
-# Upper limit of the pressures in a linear response to a mean pressure of 1, far above any computed pressure.
+# Upper limit of pressures relative to their mean in a linear response, far above any computed pressure.
 MAX_LINEAR_RESPONSE_PRESSURE = 1e9
 MAX_CELL_ASPECT_RATIO = 1e6
 
@@ -104,7 +104,7 @@ class HalfSpaceProblem:
     work_of_adhesion: float = 0.0
     adhesion_range: float = 0.0
     missing: NDArray[np.bool_] | None = None
-    # Tilt of the upper surface about its centre, as slopes: along y and x for maps, along x for profiles.
+    # Tilt of the upper surface about its centre, given as slopes along y and x for maps, and along x for profiles.
     tilt: Floats | float = 0.0
     has_free_tilt: bool = False
 
@@ -417,8 +417,7 @@ def make_problem(
     )
 
 
-# Minimum number of points in the process zone E* ρ²/w at the edge of an adhesive contact, so that its solution hardly
-# depends on the grid.
+# Minimum number of points in the process zone E* ρ²/w at the edge of an adhesive contact: fewer distort its solution.
 MIN_PROCESS_ZONE_POINTS = 2.0
 
 
@@ -437,7 +436,7 @@ def coarsen_problem(problem: HalfSpaceProblem) -> HalfSpaceProblem:
         take_every_second_point(values) for values in (problem.upper_heights, problem.lower_heights, problem.gap)
     )
     _, _, effective_modulus, periodic = _keys_by_grids[problem.grids]
-    # The coarse grids are not cached: they would displace the grids of `problem`, which later problems need.
+    # Coarse grids are not cached: in the cache, they would replace the grids of `problem`, which later problems need.
     grids = get_half_space_grids(gap.shape, spacing, effective_modulus, periodic=periodic, remains_cached=False)
     min_adhesion_range = min_resolved_adhesion_range(problem.work_of_adhesion, max(spacing), effective_modulus)
     adhesion_range = max(problem.adhesion_range, min_adhesion_range)
@@ -521,13 +520,13 @@ def lever_arms(problem: HalfSpaceProblem) -> list[Floats]:
 class TiltResponse:
     """Linear response of the contact points to a mean pressure and to a tilt: pressures, approach and moments."""
 
-    # At a mean pressure of 1 GPa: contact pressures (GPa), approach (µm) and moments per area about n axes (GPa µm).
+    # Contact pressures (GPa), approach (µm) and moments per area about n axes (GPa µm) at a mean pressure of 1 GPa.
     pressure: Floats
     approach: float
     moments: Floats
     # Change of the contact pressures (GPa) per unit slope of the upper surface along each axis, at constant load.
     slope_pressures: list[Floats]
-    # Change of n moments per unit slope along n axes: n × n matrix, negative definite if several points touch.
+    # Matrix (n × n) of the changes of n moments per unit slope along n axes; negative definite if several points touch.
     moments_per_slope: Floats
 
     @classmethod
@@ -588,8 +587,8 @@ class ContactSolver:
         max_pressure = np.array([np.inf if problem.hardness is None else problem.hardness])
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
-            # Missing points get a gap that never closes. They increase the standard deviation of the gap, to which the
-            # tolerance is relative, so the tolerance is divided by `scale`.
+            # Missing points get a gap that never closes.
+            # The tolerance, a fraction of the gap's standard deviation, is corrected for the missing points by `scale`.
             measured_gap = gap[~missing]
             mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.nominal_area)))
             gap = np.where(

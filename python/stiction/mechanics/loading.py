@@ -24,11 +24,11 @@ from stiction.mechanics.model import (
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-# Smallest approach as a fraction of the gap's range: below this approach, a single contact carries the whole load.
+# Smallest computed approach distance, as a fraction of the gap's range; a single contact then carries the load.
 _MIN_APPROACH_TO_GAP_RANGE = 1e-6
-# Ratio of successive approaches. If the load crosses a requested load twice between them, both crossings are missed.
+# Ratio of successive approach distances. Two crossings of a requested load between two distances are missed.
 _SUCCESSIVE_APPROACH_RATIO = 1.1
-# The computation stops after the batch of approaches that reaches all loads, because larger approaches take longer.
+# Approach distances are computed in batches of this size until all loads are reached: larger ones take longer.
 _APPROACHES_PER_BATCH = 16
 _CANDIDATE_APPROACH_FACTOR = 5.0
 

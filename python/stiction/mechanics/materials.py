@@ -30,9 +30,8 @@ _ELEMENT_PATTERN = "|".join(sorted(re.findall("[A-Z][a-z]?", _ELEMENT_SYMBOLS), 
 _FORMULA_PATTERN = re.compile(f"(?:(?:{_ELEMENT_PATTERN})[0-9]*)+")
 MaterialKind = Literal["metal", "ceramic", "glass", "semiconductor", "coating", "polymer", "elastomer", "rock"]
 
-# Contacts of these materials yield by slip at a shear strength that hardly rises with the pressure, as slip-line theory
-# assumes. Contacts of minerals, ceramics and glass yield differently: their coefficients are far above the limit of
-# slip-line theory.
+# These materials yield by slip, at a shear strength that hardly rises with the pressure, as slip-line theory assumes.
+# Minerals, ceramics and glass yield differently: their friction is far above the limit of slip-line theory.
 SLIP_LINE_KINDS: tuple[MaterialKind, ...] = ("metal", "polymer")
 
 # Bodies with a smaller effective modulus E* (GPa) are assumed to be rubber or gel, which do not yield.

@@ -66,7 +66,7 @@ def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
     from scipy.special import ellipkm1, elliprd
 
     squared_axis_ratio = (axes[:, 1] / axes[:, 0]) ** 2
-    # The mean squared cosine of the angle to the larger axis is (K(m) - E(m))/(m K(m)) with m = 1 - b²/a².
+    # Mean cos² of the angle between larger semi-axis and line to a loaded point: (K(m) - E(m))/(m K(m)), m = 1 - b²/a².
     longitudinal_fraction = elliprd(0, squared_axis_ratio, 1) / 3 / ellipkm1(squared_axis_ratio)
     return np.asarray(longitudinal_fraction * np.sin(angle) ** 2 + (1 - longitudinal_fraction) * np.cos(angle) ** 2)
 
@@ -140,7 +140,7 @@ class AsperityTangentialProblem:
         """
         depth = self._slip_depth(slip.displacement)
         nodes, weights = np.polynomial.legendre.leggauss(NUM_QUADRATURE_NODES)
-        # With t = cos φ, the energy integral runs from the edge of the contact (φ = 0) to the end of the slip zone.
+        # The energy is integrated over φ from the contact's edge (φ = 0) to the end of the slip zone (sin φ = depth).
         end_angle = np.arcsin(depth)[:, np.newaxis]
         sine = np.sin(0.5 * end_angle * (nodes + 1))
         strength = self._spring_strengths(sine)
@@ -196,7 +196,7 @@ class HalfSpaceTangentialProblem:
             problem.has_finite_approach,
         )
         self.shape, self.size = problem.gap.shape, problem.gap.size
-        # On a profile, each tangential traction acts on a line perpendicular to the motion.
+        # On a profile, tangential tractions act on lines perpendicular to the motion: their transverse fraction is 1.
         transverse_fraction = 1.0 if len(self.shape) == 1 else 0.5
         self.ratio = float(compliance_ratio(poisson, problem.compliance_share, transverse_fraction))
         self.points: NDArray[Any] = contact_solution.points

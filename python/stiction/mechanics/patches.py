@@ -40,13 +40,14 @@ class PatchSums:
     """
 
     force: Floats  # Σ F n_z, mN
-    area: Floats  # µm², along the deformed interface
+    # Area of each contact patch along the deformed interface (µm²).
+    area: Floats
     leaning: Floats  # -Σ F s·n, mN
     upward: Floats  # Σ F t_z, mN
     forward: Floats  # -Σ F s·t, mN
     upward_area: Floats  # Σ A t_z, µm²
     forward_area: Floats  # -Σ A s·t, µm²
-    # Rms slope of the area of each of k contacts, weighted by the contact force.
+    # Rms slope of each of k contact solutions, weighted by the contact force.
     steepness: Floats
     first_patch: NDArray[np.int64]
 

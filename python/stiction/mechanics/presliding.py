@@ -73,7 +73,7 @@ class FourParameterIwan(TextReprMixin):
         displacements, sliding_displacement = _validate_displacement(displacement), self.displacement_at_sliding
         ratio = np.minimum(displacements / sliding_displacement, 1.0)
         slip_fraction = ratio ** (self.chi + 1) / ((self.chi + 2) * (1 + self.beta))
-        # Masing's rule: the loss in a cycle is 8 · (area under the loading curve) - 4 · load · displacement.
+        # Masing's rule: the energy loss in a cycle is 8 · (area under the loading curve) - 4 · load · displacement.
         loss_before_sliding = (
             4
             * self.stiffness
@@ -128,7 +128,7 @@ class LuGre(TextReprMixin):
 def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffness: float) -> FourParameterIwan:
     """Fit the Iwan model to an onset curve by least squares of the tangential load."""
     _check_curve(displacement, load, MIN_FIT_POINTS)
-    # The arguments are checked first, because the import takes 0.2 s.
+    # The arguments are checked before the import of `scipy.optimize`, which takes 0.2 s.
     from scipy.optimize import least_squares
 
     def iwan_model(parameters: Floats, residual: Floats) -> FourParameterIwan:

@@ -66,21 +66,21 @@ class ResultQuantity:
     denominator: tuple[str, ...] = ()
     sum_under_load: str = ""
     bounds: tuple[float, float] = (-math.inf, math.inf)
-    # Range of stored numbers; a result may contain infinite numbers only if a limit of the range is infinite.
+    # Limits of stored numbers. A result may contain infinite numbers only if one of these limits is infinite.
     stored_bounds: tuple[float, float] = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
     interval_kind: EstimateKind = "mean"
     percent: bool = False
     column_unit: str = ""
     column_factor: float = 1.0
-    # True if the ratio of the quantity to the load is interpolated linearly in ln(load), instead of the quantity.
+    # True if the ratio quantity/load is interpolated linearly in ln(load), False if the quantity is interpolated.
     proportional: bool = False
-    # False if the quantity is proportional to the load only between bodies without adhesion.
+    # False if the quantity is proportional to the load between bodies without adhesion, but not with adhesion.
     proportional_with_adhesion: bool = True
     weighted: bool = False
-    # Name of another quantity: the fraction of members for which this quantity is only a lower bound.
+    # Name of the quantity that gives the fraction of members for which only a lower bound of this quantity is known.
     bound_fraction: str = ""
     stored: frozenset[QuantitySource] = frozenset()
-    # True if results of earlier versions do not contain the quantity, which is then NaN.
+    # True if results of earlier versions lack the quantity, which is then read as NaN.
     is_optional: bool = False
     shown: frozenset[OutputView] = frozenset()
     is_omitted_if_zero: bool = False

@@ -55,9 +55,9 @@ NORMAL_LOAD_TOLERANCE = 1e-4
 
 MAX_SOLUTIONS_PER_DISPLACEMENT = 40
 MAX_LOAD_STEP_RATIO = 4.0
-# The faces of a joint lock if the elastic load exceeds this multiple of the required normal load.
+# The faces of a joint count as locked if the elastic load exceeds this multiple of the required normal load.
 MAX_ELASTIC_LOAD_RATIO = 100.0
-# The faces of a joint are separated if the elastic load is below this fraction of the initial load.
+# The faces of a joint count as separated if the elastic load is below this fraction of the initial load.
 MIN_ELASTIC_LOAD_RATIO = 1e-4
 
 MAX_ROUND_OFF_GAP_VARIATION = 1e-9
@@ -333,7 +333,7 @@ class ShearBox:
         max_load = math.inf if self.hardness is None else self.hardness * overlap_area
         rows: list[StepResult] = []
         if self.stiffness and first_row is not None and not math.isfinite(float(first_row["height"])):
-            # With a normal stiffness, the normal load depends on the height in the first step, and is NaN without it.
+            # With a normal stiffness, the normal load depends on the height of the first step, which is unknown (NaN).
             missing_values = dict.fromkeys((*_STEP_QUANTITIES, "elastic_load"), math.nan)
             return missing_values | {"overlap_area": overlap_area, "status": STATUS_NOT_SOLVED}
 

@@ -34,12 +34,12 @@ from stiction.mechanics.solution_record import SolutionRecord, StepResult
 MAX_RELATIVE_FORCE_OFFSET = 1e-4
 MAX_TILT_SOLVES_PER_LOAD = 60
 MAX_EDGE_DISPLACEMENT_STEP = 0.5
-# Number added to the moments per slope, in units of (mean pressure) · (side length)² / (gap deviation), so that
-# Newton's equations have a solution.
+# This term is added to the moments per slope, so that Newton's equations have a solution.
+# Unit of the added term: (mean pressure) · (side length)² / (standard deviation of the gap).
 ADDED_MOMENT_PER_SLOPE = 1e-6
 INDENTATION_TOLERANCE = 1e-6
 MAX_CUTTING_PLANES = 200
-# Accepted error of the potential energy of rigid surfaces, as a fraction of (load) · (range of the gap).
+# Accepted error of the potential energy of rigid surfaces, as a fraction of load times range of the gap.
 RIGID_TILT_TOLERANCE = 1e-12
 
 
@@ -92,7 +92,7 @@ def solve_with_balanced_tilt(
             slope_step *= min(
                 1.0, MAX_EDGE_DISPLACEMENT_STEP * gap_deviation / float(np.abs(slope_step * side_lengths / 2).max())
             )
-            # A change of the tilt far beyond the maximum of the energy reverses the moments, and is halved.
+            # A change of the tilt far beyond the energy maximum would reverse the moments, so the change is halved.
             while num_tried < MAX_TILT_SOLVES_PER_LOAD:
                 num_tried += 1
                 candidate = solve_contact_and_moments(
@@ -112,8 +112,7 @@ def solve_with_balanced_tilt(
         near = None if last_solution is None else last_solution.on_grid(last_solution.values).ravel()
         contact_solution = search_balance(start, load, near, tolerance)
         if contact_solution is None:
-            # The first search may fail at low loads, where the moments change abruptly with the tilt. A second search
-            # starts from the tilt of rigid surfaces.
+            # If the search fails, as may happen at low loads, it starts again from the tilt of rigid surfaces.
             rigid_problem = apply_tilt(start, find_rigid_tilt(start, load / start.cell_area))
             touching_solution = solve_contact_and_moments(rigid_problem, load, None, tolerance)[0]
             displacement = start.grids.displacement(
@@ -164,7 +163,7 @@ def find_rigid_tilt(problem: HalfSpaceProblem, total_pressure: float) -> Floats:
         planes.append([*-moments, 1.0])
         offsets.append(energy - float(moments @ slopes))
         solution = linprog([*np.zeros(len(arms)), -1.0], A_ub=planes, b_ub=offsets, bounds=slope_bounds)
-        # The optimum is computed again from the active planes, because `linprog` has a coarse tolerance.
+        # The optimum is computed again from the cutting planes that meet there: `linprog` has a coarse tolerance.
         vertex, active_planes = solution.x, np.argsort(solution.slack)[: len(arms) + 1]
         if len(planes) > len(arms) and np.linalg.matrix_rank(np.array(planes)[active_planes]) == len(arms) + 1:
             vertex = np.linalg.solve(np.array(planes)[active_planes], np.array(offsets)[active_planes])

@@ -18,7 +18,7 @@ from stiction.solve.runner import complete_blocks, prepare_result_directory
 from stiction.solve.store import STUDY_FILE, StoredResult, open_result_to_complete, open_stored_result, remove_result
 from stiction.study.study import Study, find_member_differences
 
-# Function that is called with the estimated computing time (s) on one core.
+# Function that receives the estimated computing time (s) on one core as its only argument.
 TimeAnnouncer = Callable[[float], Any]
 
 

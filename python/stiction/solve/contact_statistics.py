@@ -93,15 +93,15 @@ def compute_slopes(body: Profile | Surface) -> list[Floats]:
 class ContactList:
     """Arrays with one item per contact between two bodies at one load, and the distribution of contact pressure."""
 
-    # Pressure-weighted positions of each contact (µm); y and the slope along y are 0 for profiles.
+    # Pressure-weighted mean position of each contact (µm). For profiles, y and the slope along y are 0.
     x: Floats
     y: Floats
     force: Floats  # mN
     area: Floats  # projected, µm²
-    # Mean slopes of each contact along x and y. A contact opposes motion in the direction of a positive slope.
+    # Mean slopes of each contact along x and y. A contact opposes motion in a direction of positive slope.
     slope_x: Floats
     slope_y: Floats
-    # Number of grid cells of each contact, which need not be a whole number for an asperity.
+    # Number of grid cells that each contact covers. It need not be a whole number if the contact is an asperity.
     cells: Floats
     at_edge: NDArray[np.bool_]
     # Contact pressures (GPa), and for each pressure a weight proportional to the area on which it acts.

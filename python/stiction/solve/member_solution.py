@@ -238,7 +238,7 @@ def _solve_asperities(
     solved_loads = np.flatnonzero(status == STATUS_OK)
     if not solved_loads.size:
         return
-    # Only with the detection method `cell` can a contact start with a load above zero, so that the load curve jumps.
+    # Only with the detection method `cell` can the load curve jump, because contacts can then start with a load.
     approach_fractions = [
         1 - STIFFNESS_DIFFERENCE_HALF_WIDTH,
         1 - APPROACH_DISTANCE_ACROSS_LOAD_JUMP * (first_model.detection == "cell"),

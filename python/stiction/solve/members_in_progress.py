@@ -63,7 +63,7 @@ class MembersInProgress:
         self._estimate_mean_iterations = estimate_mean_iterations
         self._records: dict[int, SolutionRecord] = {}
         self._excess_work = 0.0
-        # Number of iterations that all finished members took, and the number that was expected for them.
+        # Iterations of all finished members: number needed, and number expected before the members were computed.
         self._finished_count, self._expected_finished_count = 0, 0.0
 
     @cached_property

@@ -62,11 +62,11 @@ from stiction.study.values import StudyError
 if TYPE_CHECKING:
     import xarray
 
-# Computing time (s) of a block of members. Writing a block takes a few per cent of it, and a crash loses little work.
+# Computing time (s) of a block of members: long compared with storing the block, but short enough to lose in a crash.
 TARGET_BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
-# Minimum number of blocks of members in a run: with fewer, idle workers could wait long for the last block.
+# Minimum number of blocks of members in a run: with fewer, idle workers could wait a long time for the last block.
 MIN_BLOCKS_PER_RUN = 16
 # Minimum computing time (s) of a block, because the first block file of each size takes 0.1 s to write.
 MIN_BLOCK_TIME = 0.2
@@ -214,7 +214,7 @@ def _compute_blocks(
 
     Workers that can access the directory write the block files.
     """
-    # The number of workers is None for a cluster, where it varies.
+    # For a cluster, `num_workers` is None, because the number of workers of a cluster varies.
     num_workers = getattr(pool, "_max_workers", None)
     start_time, is_first = time.monotonic(), update is not None and num_workers is not None
 

@@ -58,7 +58,7 @@ AmplitudeDefinition = Annotated[
 ]
 
 
-# The product of the numbers of directions and frequencies of generated surfaces determines the run time.
+# Maximum product of the numbers of directions and frequencies of generated surfaces, which limits the run time.
 MAX_HARMONICS = 1_000_000
 
 

@@ -48,7 +48,7 @@ _VICKERS_BY_ROCKWELL = {
 }
 """Vickers hardness (HV) of steels by Rockwell C hardness (HRC), from ISO 18265 (2013), table A.1, and ASTM E140."""
 
-# Half width of the range of a hardness converted from HRC, relative to the hardness (10 to 20 HV).
+# Half width of the range of a hardness converted from HRC, as a fraction of the hardness; it amounts to 10 to 20 HV.
 ROCKWELL_CONVERSION_ERROR = 0.05
 _GPA_PER_VICKERS = 9.80665e-3 / 0.9272
 """Mean contact pressure (GPa) of a Vickers indentation at 1 HV.
@@ -72,8 +72,7 @@ MAX_POISSON_RATIO = 0.5
 MAX_JUNCTION_GROWTH_COEFFICIENT = 100.0
 SLIP_LINE_TEXT = "slip-line"
 MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5  # slip-line theory
-# Limits of the yield exponent m. Fine asperities have a much larger m than the lower limit, and surfaces with steps
-# have a smaller m than the upper limit.
+# Limits of the yield exponent m. Fine asperities have an m far above the lower limit, and steps one below the upper.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
 MAX_AREA_LOSS = 0.9
 # At the largest accepted creep exponent, the hardness falls to a third in each decade of time.
@@ -84,15 +83,15 @@ MAX_CREEP_EXPONENT = 0.5
 class UncertainInput:
     """Distribution of an input in core units (µm, GPa, mN): an exact number, or a range with a type of distribution."""
 
-    # Central value of an input: an exact number, or the mean of both limits (geometric mean if log-normal).
+    # Central value of an input: the exact number, or the mean (geometric mean if log-normal) of the two limits.
     value: float
-    # Limits of the 95 % interval of an input or, if the input is uniformly distributed, of its distribution.
+    # Limits of the 95 % interval of an input or, if its distribution is uniform, limits of the distribution.
     low: float
     high: float
     distribution: InputDistribution
     text: str
     maximum: float = math.inf
-    # True if junction growth is given by the ratio of hardness to shear strength, False if it is given by α.
+    # True if junction growth is specified as the ratio of hardness to shear strength, False if it is specified as α.
     uses_slip_lines: bool = False
 
     @property
@@ -133,7 +132,7 @@ class UncertainInput:
         if self.distribution == "log-normal":
             return np.asarray(self.value * np.exp(ndtri(probability) / Z_95 * 0.5 * math.log(self.high / self.low)))
         deviation = (self.high - self.low) / (2 * Z_95)
-        # Values below zero, which have the probability `probability_below_zero`, are excluded from the distribution.
+        # Numbers below zero, which have the probability `probability_below_zero`, are excluded from the distribution.
         probability_below_zero = ndtr(-self.value / deviation)
         return np.asarray(
             np.maximum(
@@ -372,7 +371,7 @@ def select_by_weight(cumulative_weights: Floats, count: int, offset: float) -> N
     `offset` is a number from 0 to 1 that shifts the selection.
     """
     targets = (np.arange(count) + offset) / count * cumulative_weights[-1]
-    # Round-off may raise the last target above the sum of all weights, so indices are limited to the last index.
+    # Round-off may raise the last element of `targets` above the sum of all weights, so indices are limited.
     indices: NDArray[np.intp] = np.minimum(np.searchsorted(cumulative_weights, targets), cumulative_weights.size - 1)
     return indices
 

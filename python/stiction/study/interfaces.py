@@ -62,7 +62,8 @@ EXCLUSION_P_VALUE_LIMIT, ERROR_SCALING_P_VALUE_LIMIT = 0.01, 0.05
 Below the first limit, the tests exclude the sliding rule. Below the second limit, the errors of the tests are scaled.
 """
 
-INTERVAL_COVERAGE = 0.95  # probability that the interval of mu0 or tau0 contains the true number
+# Probability that the interval of mu0 or tau0 contains the true number.
+INTERVAL_COVERAGE = 0.95
 
 DENSITY_WINDOW_AT_BOUND, MAX_DENSITY_WINDOW = 0.05, 0.2
 """Widths of the windows in which the density of random samples is averaged: at 0, and at the maximum of the density.
@@ -110,7 +111,7 @@ or only with care.
 `calibrate` fills these entries, so that the argument `about` of `write_interface` must not contain them.
 """
 
-# For files without columns of normal scores, scores between minus and plus this number are computed from the samples.
+# If a file has no columns of normal scores, scores are computed from the samples and limited to ± this number.
 MAX_RECOVERED_NORMAL_SCORE = 5.0
 _SCORE_COLUMN_PREFIX = "score of "
 
@@ -129,7 +130,7 @@ def area_error_name(pair_checksum: str) -> str:
     return f"area of {pair_checksum}"
 
 
-# A number, and the lower and the upper limit of its 95 % interval.
+# Estimate of a quantity: central number, lower limit and upper limit of its 95 % interval.
 ValueWithLimits = tuple[float, float, float]
 
 
@@ -142,12 +143,12 @@ class StrengthFit:
     chi_squared: float
     # Degrees of freedom of the fit: number of tests that slid, minus number of fitted parameters.
     freedom: int
-    # Probability of a larger chi-squared by chance, or NaN without given errors or without degrees of freedom.
+    # Probability that chance alone causes a larger chi-squared; NaN without given errors or degrees of freedom.
     probability: float
     scale: float
-    # P-value of a trend of the residuals with the load, which is small if the law does not fit.
+    # P-value of a trend of the residuals with the load. It is small if the fitted law does not describe the tests.
     trend: float
-    # Samples of mu0 and tau0 (GPa) in pairs.
+    # Random samples of mu0 and tau0 (GPa). Samples with the same index form a pair.
     mu0: Floats
     tau0: Floats
     # Hardness (GPa) of each pair of samples, or NaN if the tests have different hardnesses.
@@ -156,10 +157,10 @@ class StrengthFit:
     junction_growth: Floats
     # Area per load A/F (1/GPa) at the onset of sliding in the tests, or NaN if unknown.
     area_per_load: Floats
-    # Normal scores of the uncertain inputs and area errors of the tests, by `shared_input_name` and `area_error_name`:
-    # a pair that shares an input with the tests uses the scores of this input.
+    # Normal scores of uncertain inputs and area errors, keyed by `shared_input_name` or `area_error_name`.
+    # A pair that shares an input with the tests uses the normal scores of this input.
     scores: Mapping[str, Floats] = field(default_factory=dict)
-    # If the tests do not exclude mu0 = 0 or tau0 = 0: the fit with this parameter at 0, by the parameter's name.
+    # Fits with mu0 or tau0 fixed at 0, keyed by the name of the fixed parameter, unless the tests exclude 0.
     fits_at_bounds: Mapping[str, StrengthFit] = field(default_factory=dict)
     # True area per load A/F (1/GPa) of each test; empty for a published interface or an interface from a file.
     area_per_load_of_tests: Floats = field(default_factory=lambda: np.empty(0))
@@ -504,8 +505,7 @@ def compute_coverage_at_bound(values: Floats) -> float:
     if density_at_bound == 0:
         return 0.0
     squared_score = max(Z_95**2 + 2 * math.log(density_at_bound / max_density), 0.0)
-    # If the density of the samples is highest at 0, the returned probability is exactly 95 %: `min` removes the
-    # round-off of `erf` above it.
+    # Round-off of `erf` may raise the probability above 95 %, its limit if the density is highest at 0.
     return min(math.erf(math.sqrt(squared_score / 2)), INTERVAL_COVERAGE)
 
 
@@ -760,7 +760,7 @@ class InterfaceSettings(SettingsSection):
             file = name_or_path if is_published else str(Path(name_or_path).resolve())
             strength = _read_cached_interface(file, 0 if is_published else Path(file).stat().st_mtime_ns)
         except OSError:
-            # If the file cannot be read, `named` raises an error whose message lists the published interfaces.
+            # If the file cannot be read, `InterfaceStrength.named` raises an error that lists the published interfaces.
             strength = InterfaceStrength.named(name_or_path)
         mu0, tau0 = (
             _format_strength(median, interval, scale, unit)

@@ -58,7 +58,8 @@ MACHINING_PROCESSES: tuple[str, ...] = get_args(MachiningProcess)
 BodyPair = tuple[Profile, Profile] | tuple[Surface, Surface]
 
 
-CutoffPair = tuple[float, float]  # µm, of the upper and the lower scan
+# Cutoff wavelengths (µm) of the upper and the lower scan.
+CutoffPair = tuple[float, float]
 
 
 ScanCutoffs = tuple[tuple[float, ...], tuple[float, ...]]  # µm

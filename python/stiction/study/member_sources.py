@@ -66,13 +66,13 @@ BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
         for side in SIDES
         for name in ("spacing", "extent")
     },
-    # Interpolated fraction of a scan, and size of its largest unmeasured region (µm² on maps, µm on profiles).
+    # Fraction of a scan that was interpolated, and size of its largest unmeasured region (maps: µm², profiles: µm).
     **{f"{side}_filled": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
     # Fraction of the points of a scan that are missing between two measured points.
     **{f"{side}_pierced": AttributeSpec(sizes=(1,), bounds=(0, 1), is_required=False) for side in SIDES},
     # Ratio of the rms slopes of a map across and along its lay, stored if both maps have a lay.
     **{f"{side}_lay": AttributeSpec(sizes=(1,), bounds=(1, MAX_STORED_VALUE), is_required=False) for side in SIDES},
-    # Drift of ln(rms slope) along a single scan, and the scan's fraction of the gap's mean square slope.
+    # Drift of ln(rms slope) along a scan, and fraction of the gap's mean square slope that the scan contributes.
     **{f"{side}_drift": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
 }
 """Specifications of the attributes in a result that describe measured bodies. Values for several axes are in the order
@@ -122,7 +122,8 @@ class LineMemberSource:
     pairs: LinePairs
     scans: tuple[MeasuredBody, MeasuredBody]
     offsets: int = 1
-    positions: tuple[float, ...] | None = None  # µm; None for positions from a quasi-random sequence
+    # Relative positions (µm); None for positions from a quasi-random sequence.
+    positions: tuple[float, ...] | None = None
 
     def member(self, index: int) -> EnsembleMember:
         """Return the member with a given index: the slider, and the part of the counterface under the slider."""
@@ -214,7 +215,7 @@ class MapMemberSource:
 
     pairs: MapPairs | IsotropicSurfacePairs | SurfacePairsFromSpectra
     scans: tuple[MeasuredBody, MeasuredBody]
-    # Number of members, from index 0, that are pairs of surrogates; None if all members are.
+    # Number of members that are pairs of surrogates (the first members); None if all members are pairs of surrogates.
     surrogates: int | None = None
 
     def member(self, index: int) -> EnsembleMember:

@@ -37,7 +37,7 @@ from stiction.surfaces.surface import Surface
 MAX_BATCH_BYTES = 64_000_000  # bytes
 MAX_CACHED_PAIRS = 16
 NUM_AVERAGED_MEMBERS = 16
-# Assumed number of points of a scan whose file is missing: of a profile (False) or of a map (True).
+# Assumed number of points of a profile (False) or a map (True) whose scan file is missing.
 TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}
 
 # ---- Generated bodies ------------------------------------------------------------------------------------------------
@@ -244,7 +244,7 @@ class PreparedBodies:
     def member(self, index: int, wavelength: float) -> EnsembleMember:
         """Return the member with a given index, from scans low-pass filtered at a cutoff (µm; 0 for no filter)."""
         surfaces = self._surfaces
-        # Members are numbered from 0 in each pair of scans, except surrogates, whose seed is the number in the study.
+        # In a pair of scans, members are numbered from 0, except surrogates: their number in the study is their seed.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
         index_within_pair = index if has_surrogates else index // math.prod(surfaces.scan_counts)
         return self.members(wavelength, *surfaces.scan_indices_of_members(index)).member(index_within_pair)
@@ -320,7 +320,7 @@ class PreparedBodies:
         if all(getattr(scan, "missing", None) is None for scans in self._scans_by_side for scan in scans):
             return 1.0
         measured_fractions = []
-        # If the study has fewer than `NUM_AVERAGED_MEMBERS` members, an ignored error ends the loop after the last.
+        # If there are fewer than `NUM_AVERAGED_MEMBERS` members, the error for a nonexistent member ends the loop.
         with contextlib.suppress(ValueError, IndexError):
             for index in range(NUM_AVERAGED_MEMBERS):
                 missing = combine_missing_masks(*self.member(index, self._surfaces.reported_cut_off()).pair)

@@ -155,7 +155,7 @@ def _convert_friction_section(friction: Mapping[str, Any], known: Mapping[str, A
     if interface_entry is not None and [float(interface_entry.mu0), float(interface_entry.tau0)] == strengths:
         interface_entry = str(source)
     else:
-        # The converted study contains mu0 and tau0 if the interface file is missing or has changed.
+        # If the interface file is missing or has changed, the converted study itself contains mu0 and tau0.
         interface_entry = {"file": str(source)} | {
             name: None if value is None else value.text for name, value in zip(("mu0", "tau0"), strengths, strict=True)
         }

@@ -417,7 +417,8 @@ class FormField:
     example: str = ""
     default_label: str = ""
     choices: tuple[tuple[str, str], ...] = ()
-    size: int = 0  # characters; 0 for the default width
+    # Width of the input field in characters; 0 for the default width.
+    size: int = 0
     unit: str = ""
     keyboard: Literal["", "numeric", "decimal"] = ""
 

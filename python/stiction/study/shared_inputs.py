@@ -35,7 +35,7 @@ MAX_CONDITIONED_FRACTION = 0.4
 
 WEIGHT_EXPONENT_STEP = 0.9
 RELATIVE_WIDTH_OF_EXACT_NUMBER = 1e-6
-# Distance over which a uniform density falls to zero outside its range, relative to the half width of the range.
+# Outside its range, a uniform density falls to zero over this distance, as a fraction of the range's half width.
 RELATIVE_DENSITY_EDGE_WIDTH = 0.01
 
 INPUTS_COMPARED_ELSEWHERE = ("mu0", "tau0", "junction_growth", "creep")

@@ -96,7 +96,7 @@ _KEYS_WRITTEN_FIRST = (
 
 _STUDY_LIBRARY_DIRECTORY = resources.files("stiction.study") / "library"
 DEFAULT_SEED = 2016
-# Difference between two studies: key with dots, value in the first study and value in the second study, as TOML text.
+# Difference between two studies: dotted key, value in the first study and value in the second study, as TOML text.
 StudyDifference = tuple[str, str, str]
 MAX_LISTED_DIFFERENCES = 4
 
@@ -283,7 +283,7 @@ def _add_bracketing_loads(
         highest_load = max(loads) * MAX_AREAL_LOAD_RATIO
         if contact.get("hardness") is not None:
             max_load = float(quantity(contact["hardness"], "pressure")) * _compute_nominal_area(surfaces)
-            # If the upper load is still too large, the validation of the section rejects this load.
+            # If the highest load exceeds hardness times nominal area, the validation of the section rejects it.
             highest_load = min(highest_load, max(loads) * max(math.sqrt(max_load / max(loads)), 1.001))
     except (ValueError, TypeError, AttributeError):
         return {}
@@ -746,7 +746,7 @@ def find_section_differences(
     serialized, differences = (first_section.model_dump(), second_section.model_dump()), []
     for name in dict.fromkeys((*type(first_section).model_fields, *type(second_section).model_fields)):
         field = type(first_section).model_fields.get(name) or type(second_section).model_fields[name]
-        # A field without `repr` contains a body in memory, which is compared by its checksum in another field.
+        # Bodies in memory (fields without `repr`) are not compared, because other fields contain their checksums.
         if not field.repr:
             continue
         first_value, second_value = getattr(first_section, name, None), getattr(second_section, name, None)

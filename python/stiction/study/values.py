@@ -210,7 +210,7 @@ class SettingsSection(BaseModel):
         except ValidationError as error:
             raise _convert_validation_errors(type(self), error, "") from None
 
-    # With this attribute, pydantic calls no constructors of nested sections, so that one error lists all faults.
+    # This attribute makes pydantic skip the constructors of nested sections, so that one error lists all faults.
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
 
@@ -312,7 +312,7 @@ class LoadRange(_SteppedValueRange):
     stop: Force
 
 
-# Before validation, a value is tagged as a range or as a list, so that an error message describes only this form.
+# Each value is tagged as a range or a list before validation: error messages then describe only the tagged form.
 RANGE_TAG, LIST_TAG = "a range", "a list"
 
 

@@ -74,7 +74,7 @@ MIN_DRIFT_EFFECT = 0.02
 """Relative standard error of the coefficient due to roughness drift above which the result has a caveat."""
 MAX_SPACING_RATIO = 3.0
 
-# The interface counts as nearly as strong as the bulk above this ratio of τ0 to H/√α.
+# If τ0 divided by H/√α exceeds this ratio, the interface counts as nearly as strong as the bulk.
 NEARLY_BULK_STRENGTH_RATIO = 0.7
 MAX_UNLIMITED_SAMPLE_FRACTION = 0.025
 MIN_UNLIMITED_SAMPLE_FRACTION = 0.01
@@ -105,7 +105,7 @@ docs/explanation/adhesion.md describes the fit.
 """
 
 MAX_DEVIATION_FROM_MU0 = 0.02
-# Before rounding, numbers are multiplied by this factor, so that 2.25 is rounded up to 2.3, as in the report.
+# Numbers are multiplied by this factor before rounding: 2.25 then becomes 2.3, as in the report.
 ROUND_UP_FACTOR = 1 + 1e-12
 MAX_RELATIVE_HALF_WIDTH = 0.5
 
@@ -163,7 +163,7 @@ class LimitCheck(NamedTuple):
         )  # fmt: skip
 
 
-# Only the first failed check of each group is reported.
+# Groups of checks; only the first failed check of each group is reported.
 CheckGroups = Sequence[Sequence[LimitCheck]]
 
 ASSESSMENTS_BY_SEVERITY = {"fault": "Do not quote", "caution": "Quote with care", "": "Quote it"}
@@ -491,7 +491,7 @@ def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
         yielded_text = "the mean pressure in contact is {}, at which nearly every material has yielded"
         hardness_text = "the result is valid only if the softer body is harder than {}, the mean pressure in contact"
         remedy = "give the hardness of the softer body"
-        # Asperities yield only by the Jackson-Green law.
+        # In the asperity model, contacts yield only under the contact law of Jackson and Green.
         if not study.uses_half_space:
             remedy += " with --mechanics half-space, or with --law jackson-green"
         return (
@@ -674,7 +674,7 @@ def _find_caveats_about_unlimited_friction(
             + ("; the interval has no upper limit" if unlimited_fraction > MAX_UNLIMITED_SAMPLE_FRACTION else "")
         )
         severity: Severity = "fault" if unlimited_fraction > MAX_UNLIMITED_SAMPLE_FRACTION else "caution"
-        # A smaller load may help: the contacts would yield at the same pressure, but not cover the whole nominal area.
+        # Under a smaller load, contacts would yield at the same pressure, but not cover the whole nominal area.
         is_load_limited = not growth.uses_slip_lines and strength_ratio < 1
         remedy = "measure the hardness, and determine μ0 and τ0 with stiction calibrate"
         if growth.uses_slip_lines:
@@ -693,7 +693,7 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
     """Yield caveats if adhesion is neglected, if its range is unresolved, or if E* or the hardness is uncertain."""
     if not study.contact.adheres:
         added_load = estimate_adhesion_load_ratio(point, study)
-        # The asperity model always neglects adhesion, so there is a caveat only if adhesion would double the load.
+        # The asperity model always neglects adhesion, so it gets a caveat only if adhesion would double the load.
         min_added_load = MAX_NEGLECTED_ADHESION_FRACTION if study.uses_half_space else 1.0
         if study.is_measured and study.contact.work_of_adhesion is None and added_load > min_added_load:
             added_text = f"about {100 * added_load:.2g} %" if added_load < 1 else "more than 100 %"

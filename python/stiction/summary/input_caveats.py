@@ -49,7 +49,7 @@ INSTRUMENT_LIMIT_REASON_TEXTS = {
 
 # If the height of a scan exceeds its length by more than this factor, the unit of the heights must be wrong.
 MAX_HEIGHT_OVER_EXTENT = 10.0
-# A larger mu0 is probably a percentage: clean metals in vacuum reach it only by adhesion and junction growth (tau0).
+# A larger mu0 is probably a percentage: even clean metals in vacuum reach it only through tau0 and junction growth.
 MAX_PLAUSIBLE_MU0 = 2.0
 
 MAX_PARABOLA_HEIGHT_FRACTION = 0.6
@@ -83,7 +83,7 @@ def find_input_caveats(
 
     `alternatives` contains the names of the alternative preparations that the interval includes.
     """
-    # No caveat about form error is given for a gap between two faces, or for scans whose form was subtracted.
+    # No caveat about form error is given for a gap between two faces, or if the form of the scans was subtracted.
     surfaces: Any = study.surfaces
     is_form_subtracted = surfaces.level == "quadratic"
     is_vouched = bool(surfaces.vouched)
@@ -393,7 +393,7 @@ def _find_instrument_caveats(
     except ValueError:
         return
     if 0 < cut_off < limit.cut_off and limit.slope_fraction > 0 and not has_second_cutoff:
-        # Noise causes no caveat if the scan is filtered with at least the cutoff `limit.cut_off`.
+        # If the scan is filtered at a cutoff below `limit.cut_off`, only the noise that remains is assessed.
         limit = replace(limit, slope_fraction=defects.find_noise_slope_fraction(cut_off))
     shortest_resolved = limit.wavelength if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else 0.0
     if shortest_resolved:
@@ -420,7 +420,7 @@ def _find_instrument_caveats(
         text = f"{_describe_slope_fraction(tip_limit)}, which the tip does not resolve: the surface is steeper"
         note = f", and the interval {'includes an estimate of' if has_tip_estimate else 'does not include'} this"
         note = note if elastic or has_tip_estimate else ""
-        # The finer a scan, the steeper its slopes, so without a hardness, the true area has no lower limit.
+        # Without a hardness, the true area has no lower limit, because finer scans have ever steeper slopes.
         peak_severity: Severity = "fault" if elastic and tip_limit.matters else "caution"
         remedy = "use a sharper tip" + (", or specify a hardness" if elastic else "")
         # A Gaussian filter with the combined cutoff equals two successive filters, one at each cutoff.

@@ -300,7 +300,8 @@ def _count_closures_from(rows: Sequence[Mapping[str, Estimate]], start: int) -> 
     closures = np.array([row["closure"].value for row in rows])
     stiffnesses = np.array([row["closure_stiffness"].value for row in rows])
     limits = np.array([[row["closure_stiffness"].lower, row["closure_stiffness"].upper] for row in rows])
-    with np.errstate(divide="ignore", invalid="ignore"):  # The stiffness may be infinite, and its lower limit 0.
+    # A stiffness may be infinite, and its lower limit may be 0.
+    with np.errstate(divide="ignore", invalid="ignore"):
         ratios = stiffnesses[:, np.newaxis] / limits
     increments = np.diff(closures)[:, np.newaxis] * (ratios[1:] + ratios[:-1]) / 2
     limits_below = -np.cumsum(increments[:start][::-1], axis=0)[::-1]
@@ -320,7 +321,7 @@ def _count_closures_from(rows: Sequence[Mapping[str, Estimate]], start: int) -> 
 
 def _read_row(point: xarray.Dataset, pressure: float) -> dict[str, Estimate]:
     """Return all quantities of a joint table at one pressure (GPa), in core units (µm, mN, GPa), keyed by name."""
-    # Rounding to twelve digits removes the round-off of the pressure.
+    # The pressure is rounded to twelve digits, which removes its round-off.
     pressure = float(f"{pressure:.12g}")
     estimates = {"nominal_pressure": Estimate(pressure, name="nominal_pressure", unit="GPa")}
     for name in (*JOINT_QUANTITIES, "friction_combined"):

@@ -35,7 +35,7 @@ GENERATED_MU0_VALUES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 Reports on generated surfaces have more loads, and therefore fewer mu0 and tau0.
 """
 
-# Maximum number of steps of the slider of tau0: for measured surfaces (True) and for generated surfaces (False).
+# Maximum number of tau0 steps of the slider in a report, for measured (True) and for generated surfaces (False).
 MAX_TAU0_STEPS = {True: 6, False: 5}
 MAX_SHOWN_MU0_OR_TAU0 = 9
 MAX_TAU0_OVER_MODULUS = 0.02

@@ -66,7 +66,7 @@ if TYPE_CHECKING:
     from stiction.study.measured_bodies import ScanCutoffs
     from stiction.study.study import Study
 
-# Label of the budget entry for short wavelengths that the automatic cutoff removes as possible noise.
+# Label of the uncertainty-budget entry for short wavelengths that the automatic cutoff removes as possible noise.
 POSSIBLE_NOISE_INPUT_NAME = "possible instrument noise"
 MIN_DOMINANT_INPUT_FRACTION = 0.1
 
@@ -461,8 +461,7 @@ def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
     The returned list begins with the points at the reported cutoff. The points at the other cutoff are marked as
     covered.
     """
-    # The interval of the coefficient at the reported cutoff, that of the first point, covers the points at the other
-    # cutoff.
+    # The first result point is at the reported cutoff. Its interval also covers the points at the other cutoff.
     cut_off = points[0].at["cut_off"]
     points_at_other_cutoff = {
         _get_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off
@@ -492,7 +491,7 @@ def _extend_point_to_other_cutoff(point: PointSummary, other_point: PointSummary
         for coefficients in zip(point.rules, other_point.rules, strict=True)
     )
     other_budget = {entry.label: entry for entry in other_point.budget}
-    # With only one or two relative positions of the bodies, the interval is infinite or NaN.
+    # With only one or two relative positions of the bodies, the interval of the coefficient is infinite or NaN.
     has_interval = math.isfinite(point.upper - point.lower)
     budget = [_build_entry_of_possible_noise(point)] if has_interval else []
     for entry in point.budget:

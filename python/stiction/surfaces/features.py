@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from stiction._checks import Floats
 
-# Wolf pruning merges a hill or dale with a neighbour if its own height is below this fraction of the maximum height.
+# Wolf pruning merges hills and dales whose height, as a fraction of the maximum height, is below this number.
 PRUNING_FRACTION = 0.05
 NUM_AVERAGED_FEATURES = 5
 

@@ -20,15 +20,13 @@ MonomialExponents = tuple[int, ...]
 # Shortest cutoff (points) of a filter: it transmits 96 % of the amplitude at the shortest wavelength, two points.
 MIN_CUTOFF_POINTS = 0.5
 _MIN_CUTOFF_POINTS_FOR_END_REGRESSION = 4.0
-# Half width of the filter as a multiple of the cutoff: farther from a point, weights are below 1e-15 of the largest.
+# Half width of the filter as a multiple of the cutoff. At larger distances, weights are below 1e-15 of the maximum.
 _FILTER_HALF_WIDTH_IN_CUTOFFS = 1.6
-# Minimum half width of the filter (points): with a cutoff of two or three points, weights decay to only 1e-5 in 64
-# points.
+# Minimum half width (points) of the filter. With cutoffs of two or three points, weights are 1e-5 at 64 points.
 _MIN_HALF_WIDTH_POINTS = 64
 _MIN_MEASURED_WEIGHT_FRACTION = 1e-6
 _MIN_NORMALISED_PIVOT = 1e-9
-# Scale of Tukey's biweight, as a multiple of the median absolute deviation. For normally distributed heights, this
-# scale equals three standard deviations.
+# Scale of Tukey's biweight, in median absolute deviations: three standard deviations of normally distributed heights.
 _BIWEIGHT_SCALE = 4.4478
 _ROBUST_TOLERANCE_IN_BIWEIGHT_SCALES = 1e-4
 _MAX_ROBUST_ITERATIONS = 200
@@ -281,7 +279,7 @@ class _FilterKernel:
             self._weights = np.exp(-((math.pi * self._offset) ** 2) / math.log(2))
             self._weights /= 2 * self._weights.sum() - self._weights[0]
             return
-        # The inverse transform gives weights with exactly the analytic transmission up to the Nyquist wave number.
+        # Weights from an inverse transform have exactly the analytic transmission up to the Nyquist wave number.
         transform_length = next_fast_len(max(self.padded_size, 4 * half_width + 2), real=True)
         self._weights = irfft(
             gaussian_transmission(2 * math.pi * rfftfreq(transform_length), cutoff_in_points), transform_length

@@ -24,9 +24,9 @@ class BinnedSpectrum(NamedTuple):
 
     log_q: Floats
     density: Floats
-    # Shape parameter of the gamma distribution that the spectral density follows, for each bin.
+    # Shape parameter of the gamma distribution of the spectral density in each bin.
     weight: Floats
-    # Spectral density of white noise whose noise level is 1.
+    # Spectral density of white noise that has a noise level of 1.
     floor: float = 1.0
 
 

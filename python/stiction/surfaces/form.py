@@ -13,10 +13,10 @@ from stiction._checks import Floats
 from stiction._repr import format_with_unit
 
 RoundForm = Literal["circle", "sphere", "cylinder"]
-# Coordinates (x, y) in µm relative to the middle of the map.
+# Coordinates (x, y) in µm of the points of a map, relative to the middle of the map.
 PointCoordinates = tuple[Floats, Floats]
 _FormModel = Callable[[Floats, PointCoordinates], Floats]
-# Beyond the equator of a sphere, the computed cos² of the slope angle would be negative.
+# Minimum of the computed cos² of the slope angle, which would be negative beyond the equator of a sphere.
 _MIN_COSINE_SQUARED = 1e-6
 _FIT_TOLERANCE = 1e-12
 

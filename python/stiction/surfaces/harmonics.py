@@ -8,10 +8,9 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Minimum distance (bins) between harmonics, so that enough bins between them show the density without the texture.
+# Minimum distance (bins) between harmonics. Closer harmonics leave too few bins without texture between them.
 MIN_HARMONIC_DISTANCE = 10
-# Lowest bin of a first harmonic: a peak in a lower bin may be due to the mean or a tilt, which a Hann window spreads
-# over two bins.
+# Minimum bin of a first harmonic. Lower peaks may be due to the mean or a tilt, which a Hann window spreads.
 _MIN_FIRST_HARMONIC_BIN = 2.5
 _MAX_COMPARED_HARMONICS = 8
 _MIN_SIGNIFICANT_HIGHER_HARMONICS = 2
@@ -20,7 +19,7 @@ _MAX_TESTED_PEAKS = 6
 _MIN_HARMONIC_RATIO = 10.0
 _PEAK_HALF_WIDTH_IN_BINS = 2.5
 _SEARCH_POSITIONS_PER_BIN = 16
-# The density between two harmonics is estimated by this low quantile, on which aliased harmonics have little effect.
+# This low quantile estimates the density between two harmonics, because aliased harmonics hardly affect it.
 _BACKGROUND_DENSITY_QUANTILE = 0.3
 
 
@@ -41,8 +40,7 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
     is_rising, is_falling = density[1:] > density[:-1], density[:-1] >= density[1:]
     peaks = 1 + np.flatnonzero(np.r_[True, is_rising] & np.r_[is_falling, True])
     peaks = peaks[(peaks > _MIN_FIRST_HARMONIC_BIN) & (peaks * (1 + _MIN_SIGNIFICANT_HIGHER_HARMONICS) <= nyquist_bin)]
-    # Peaks are tested in the order of their contribution to the slope variance, which is usually largest for the first
-    # harmonic.
+    # Peaks that contribute most to the slope variance are tested first: the first harmonic usually contributes most.
     peak_order = np.argsort(-padded_density[peaks] * np.square(peaks))[:_MAX_TESTED_PEAKS]
     best_score, best_harmonics = 0.0, (math.nan, math.nan)
     for peak in peaks[peak_order].tolist():

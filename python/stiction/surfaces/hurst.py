@@ -25,7 +25,7 @@ MIN_BAND_HARMONICS = 8
 _NO_SELF_AFFINE_BAND_MESSAGE = (
     "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
 )
-# After subtracting a straight line, heights below this fraction of their original magnitude are round-off.
+# Heights below this fraction of their magnitude before the subtraction of a straight line are round-off.
 _TREND_ROUND_OFF = 1e-13
 # Number of lowest harmonics that are excluded, because a Hann window adds power from the mean and longer wavelengths.
 _NUM_EXCLUDED_HARMONICS = 2
@@ -35,10 +35,9 @@ _BINS_PER_DECADE = 12
 _MIN_BINS_PER_PIECE = 4
 # Relative deviation from a power law that is assumed in each bin of a measured spectrum.
 _RELATIVE_MODEL_ERROR = 0.1
-# Penalty for each piece of a spectrum. It is large, because a piece has three parameters and can begin at any of about
-# 50 bins.
+# Penalty for each piece of a spectrum: large, because a piece has three parameters and about 50 possible first bins.
 _SPECTRUM_PIECE_PENALTY = 10.0
-# Maximum deviance per bin of a fit: random scatter of a spectrum causes about 1, separate peaks cause much more.
+# Maximum deviance per bin of a fit. Random scatter of a spectrum causes a deviance of about 1, separate peaks far more.
 _MAX_DEVIANCE_PER_BIN = 10.0
 _MIN_BAND_WIDTH = math.log(3)  # about half a decade
 _ROLL_OFF_PENALTY = 2.0
@@ -427,7 +426,7 @@ def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> 
                     continue
                 end_bin -= end_bin < bins.log_q.size
                 first_bin = start_bin + (start_bin > 0)
-                # The band starts after a roll-off, even if the roll-off has too few bins for its own piece.
+                # The self-affine band starts after a roll-off, even if the roll-off is too short for a separate piece.
                 if start_bin == 0:
                     _, roll_off_losses = _fit_roll_offs(bins.slice_bins(0, end_bin), weight[:end_bin])
                     start_bin = (
@@ -459,7 +458,7 @@ def _remove_noisy_end(
     if not fit.is_significant:
         return selection, piece
     (exponent,), (noise_ratio,) = fit.exponents, fit.ratios
-    # The self-affine band ends where the noise exceeds the accepted relative deviation from a power law.
+    # The self-affine band ends where noise raises the spectrum above the power law by more than the accepted fraction.
     max_log_q = math.log(q[selection][-1]) + min(0.0, math.log(_RELATIVE_MODEL_ERROR / noise_ratio) / exponent)
     end_harmonic = int(np.searchsorted(np.log(q), max_log_q, side="right"))
     if (

@@ -17,12 +17,11 @@ from stiction.surfaces.spectrum import surface_spectrum
 from stiction.surfaces.surface import Surface, as_body, parse_lengths, parse_shape
 from stiction.surfaces.surrogates import gaussian_heights, isotropic_spectrum
 
-# Shortest wavelength (points) of a scan that is used: averaging over each pixel removes 5 % of its power.
+# Minimum used wavelength (points) of a scan. At this wavelength, averaging over each pixel removes 5 % of the power.
 MIN_POINTS_PER_WAVELENGTH = 8
-# Longest wavelength of a scan that is used, as a fraction of the side: the window function affects longer wavelengths.
+# Maximum used wavelength, as a fraction of the scan's side. The window function distorts longer wavelengths.
 MAX_WAVELENGTH_TO_SIDE = 1 / 3
-# Number of wave vectors per independent density: opposite wave vectors have equal densities, and the window function
-# correlates neighbouring wave vectors.
+# Wave vectors per independent density: opposite vectors have equal densities, and neighbours have correlated densities.
 _WAVE_VECTORS_PER_INDEPENDENT_VALUE = 4.0
 
 
@@ -105,7 +104,7 @@ class JoinedSpectrum(TextReprMixin):
             is_compared = is_shared & np.isfinite(ratio)
             weight = self.contribution[scan_index, is_compared]
             if is_compared.any() and (weight < 1).any():
-                # A scan is compared with the other scans only, so its contribution to the joined density is removed.
+                # A scan is compared only with the other scans, so its contribution to the joined density is removed.
                 other_density = (1 - weight * ratio[is_compared]) / (1 - weight)
                 with np.errstate(divide="ignore", invalid="ignore"):
                     log_ratios = np.log(ratio[is_compared] / other_density)

@@ -30,7 +30,7 @@ from stiction.surfaces.profile import LineOrientation, Profile, Side, select_fro
 from stiction.surfaces.surface import Surface, as_body
 from stiction.surfaces.surrogates import isotropic_surface, surrogate
 
-# Number of line pairs with which a result and its interval take one or two seconds to compute.
+# Default number of line pairs: a result and its interval then take one or two seconds to compute.
 DEFAULT_NUM_LINE_PAIRS = 128
 # The largest shift is the map length divided by this number, so that three quarters of two maps always overlap.
 MAX_SHIFT_DIVISOR = 4
@@ -74,7 +74,8 @@ class LinePairs:
     surrogates: SurrogateBodies = "none"
     seed: int = 2016
     has_several_pairs: bool = False
-    count: int | None = None  # None for an unlimited number of pairs
+    # Number of line pairs; None if it is unlimited.
+    count: int | None = None
 
     def max_pair_count(self) -> int | None:
         """Return the number of different line pairs, or None (unlimited) for pairs of surrogates."""
@@ -143,7 +144,7 @@ class LinePairs:
         start = max(line_count // 3, 1) if shifted else 0
         if self.count is not None:
             return (start + index * line_count // self.count) % line_count
-        # The step is near 0.618 · `line_count` and has no common divisor with `line_count`, so all lines are used.
+        # The step between line numbers, near 0.618 · `line_count`, has no common divisor with it: all lines are used.
         step = max(1, round(line_count * _GOLDEN_RATIO))
         while math.gcd(step, line_count) > 1:
             step += 1
@@ -519,7 +520,7 @@ class SurfacePairsFromSpectra(SquarePiecePairs):
     seed: int = 2016
     # Cutoff wavelengths (µm) of the upper and the lower body, or 0 for an unfiltered body.
     cut_off: tuple[float, float] = (0.0, 0.0)
-    # Shortest cutoff (µm) of a study, which determines the grid of the generated surfaces at all cutoffs.
+    # Shortest cutoff (µm) of a study. It determines the grid of the generated surfaces at every cutoff.
     finest_spacing: float = 0.0
 
     @cached_property

@@ -18,10 +18,9 @@ ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
 ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic", "circle"]
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
-# If two bodies differ in length, the part of the longer body that is kept: its start or its middle.
+# Kept part of the longer of two bodies with different lengths: its start or its middle.
 GridAlignment = Literal["start", "middle"]
-# Round-off that is tolerated in grid positions, as a fraction of the spacing: with a spacing of 0.1 µm, 0.3 µm is the
-# position of point 3.
+# Round-off tolerated in grid positions, as a fraction of the spacing: at a spacing of 0.1 µm, 0.3 µm is point 3.
 GRID_POSITION_TOLERANCE = 1e-9
 LEVELLING_ROUND_OFF = 1e-14
 _TREND_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5, "sextic": 6}
@@ -40,7 +39,7 @@ FLIPPED_HISTORY_ENTRY = "flipped"
 _FLIP_HISTORY_ENTRIES = FLIPPED_HISTORY_ENTRY, "turned over"
 """History entries that record a flip: the current entry, and the entry of earlier versions."""
 
-# Distance (points) from the ends of a spline at which the end conditions hardly affect the heights.
+# At this distance (points) from its ends, a spline hardly depends on the end conditions.
 _SPLINE_MARGIN_POINTS = 32
 _ALIGNMENT_TEXTS = {"start": "first", "middle": "middle"}
 _NEIGHBOUR_ROUNDING_FUNCTIONS = (np.floor, np.ceil)

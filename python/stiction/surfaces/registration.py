@@ -20,7 +20,7 @@ from stiction.surfaces.surface import Surface
 
 MAX_ROTATION = 3.0  # degrees
 ROTATION_STEP = 0.5  # degrees
-# A shift that differs from whole points by less than this fraction of a point is rounded.
+# A shift is rounded to whole points if it differs from them by less than this fraction of a point.
 GRID_TOLERANCE = 0.02
 MAX_SECOND_CORRELATION_RATIO = 0.7
 MIN_OVERLAP_FRACTION = 0.5
@@ -28,7 +28,8 @@ _MIN_COARSE_POINTS = {1: 64, 2: 16}
 _MAX_COARSE_POINTS = {1: 2048, 2: 128}
 _MAX_REFINEMENTS = 20
 _GAUSS_NEWTON_STEP_FRACTIONS = (1.0, 0.5, 0.25)
-_CONVERGENCE_DISTANCE = 1e-4  # points, displacement of the corners of the upper face
+# The registration has converged if a step moves the corners of the upper face by less than this distance (points).
+_CONVERGENCE_DISTANCE = 1e-4
 _CORRELATION_PEAK_HALF_WIDTH_FRACTION = 0.05
 
 

@@ -29,8 +29,7 @@ MIN_HEIGHT_RANGE = 1e-70
 MIN_CORRELATION = 0.5
 _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)  # points
 _NUM_STEPS_PER_SMOOTHING_WIDTH = 4
-# White noise after a Gaussian filter, whose standard deviation is one point, has one independent value per this number
-# of points.
+# White noise after a Gaussian filter (standard deviation: one point) has one independent value per this many points.
 _POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
 _OVERLAP_MARGIN_POINTS = 3
 _NUM_TRIAL_CUTOFFS = 400
@@ -296,7 +295,7 @@ def _find_shift(a: Floats, b: Floats) -> Floats:
             columns = np.stack([basis_function.ravel() for basis_function in basis], axis=1)
             correction, residual = np.linalg.lstsq(columns, (smoothed_first[overlap] - second_heights).ravel())[:2]
             shift = shift + np.clip(correction[: second_heights.ndim], -2 - smoothing_width, 2 + smoothing_width)
-        # Because of the Gaussian filter, residual differences of the scans are correlated between neighbouring points.
+        # The Gaussian filter correlates the residual differences between both scans at neighbouring points.
         slope_covariances = [
             float((first_slope * slope).mean())
             for first_slope, slope in zip(_compute_slopes_along_axes(smoothed_first[overlap]), slopes, strict=True)

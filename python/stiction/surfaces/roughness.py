@@ -29,8 +29,7 @@ from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_bo
 
 DerivativeFormula = Literal["seven-point", "neighbours"]
 SEVEN_POINT_WEIGHTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
-# Sal and Str are computed from the distances at which the autocorrelation decays to this value, the default of
-# ISO 25178-3.
+# Sal and Str are computed at the decay of the autocorrelation to this number, the default of ISO 25178-3.
 DECAY_AUTOCORRELATION = 0.2
 _NUM_DIRECTIONS = 720
 _NUM_SECTORS = 90
@@ -336,8 +335,7 @@ def _compute_developed_area_ratio(heights: Floats, spacing: tuple[float, float])
     """Return the developed area of a height map divided by its projected area, minus 1."""
     area_sum = 0.0
     corner_heights = heights[:-1, :-1], heights[:-1, 1:], heights[1:, :-1], heights[1:, 1:]
-    # The four points of a grid cell form four overlapping right triangles. The sides of a triangle along x and y give
-    # its slope.
+    # Any three of the four points of a grid cell form a right triangle. Its sides along x and y give its slope.
     for height_change_x in (corner_heights[1] - corner_heights[0], corner_heights[3] - corner_heights[2]):
         for height_change_y in (corner_heights[2] - corner_heights[0], corner_heights[3] - corner_heights[1]):
             squared_gradient = np.square(height_change_x / spacing[1]) + np.square(height_change_y / spacing[0])
@@ -354,7 +352,7 @@ def _find_decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tupl
     """
     correlation = autocorrelation(deviation)
     max_shift = [points // 2 for points in deviation.shape]
-    # Half of the directions are enough, because the autocorrelation is equal in opposite directions.
+    # The directions cover half a circle, because the autocorrelation is equal in opposite directions.
     angle = math.pi * np.arange(_NUM_DIRECTIONS) / _NUM_DIRECTIONS
     points_per_length = np.abs(np.stack([np.sin(angle) / spacing[0], np.cos(angle) / spacing[1]]))
     with np.errstate(divide="ignore"):

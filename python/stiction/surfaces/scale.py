@@ -25,18 +25,16 @@ from stiction.surfaces.profile import Profile
 from stiction.surfaces.spectrum import HANN_VARIANCE_FACTOR, ROUND_OFF_FACTOR, power_spectrum, surface_spectrum
 from stiction.surfaces.surface import BodyLike, Surface, as_body, reject_flat_body
 
-# A tip follows a surface only if the surface's rms curvature times the tip radius is below this number.
+# A tip follows a surface only if (rms curvature of the surface) · (tip radius) is below this number.
 MAX_CURVATURE_TIMES_TIP_RADIUS = 0.1
 _ROUGHNESS_BINS_PER_DECADE = 48
 _NOISE_BINS_PER_OCTAVE = 8
 _FIT_WINDOW_WIDTHS_IN_OCTAVES = (1.0, 2.0)
-# A spectrum contains noise if its exponent is smaller than that of a surface with H = 0 by at least this number of
-# standard deviations.
+# Noise is found if the spectral exponent is below that of a surface with H = 0 by this many standard deviations.
 _MIN_EXPONENT_DIFFERENCE_IN_STANDARD_DEVIATIONS = 3.0
 _MAX_HUMP_WAVELENGTH_POINTS = 24.0
 _MIN_DENSITY_TO_NOISE_RATIO = 4.0
-# At no wavelength does the spectral density of a real surface rise by this factor above the lowest density at longer
-# wavelengths.
+# The spectral density of a real surface nowhere exceeds its minimum at longer wavelengths by this factor.
 _MIN_DENSITY_RATIO_OF_RISE = 3.0
 # Noise is negligible if it contributes at most this fraction of the mean square slope of a scan.
 MAX_NEGLIGIBLE_NOISE_FRACTION = 0.1
@@ -44,23 +42,20 @@ MAX_NEGLIGIBLE_NOISE_FRACTION = 0.1
 CUTOFF_TO_REMOVED_WAVELENGTH_RATIO = 1.9
 _MIN_SLOPE_FRACTION = 1e-4
 _MIN_ALIASED_SURFACE_EXPONENT = 0.6
-# In 1080 generated profiles of turned surfaces (feeds of 15 to 500 points), this limit prevents 14 of 22 false
-# detections of noise.
+# In 1080 generated profiles of turned surfaces, this limit prevents 14 of 22 false detections of noise.
 _MIN_TEXTURED_SURFACE_EXPONENT = 0.8
 # Heights count as quantised if rounding explains at least this fraction of their mean square second difference.
 _MIN_QUANTISATION_FRACTION = 0.3
-# A spectrum counts as flat if the absolute value of its exponent, and the rms deviation of ln(density) from its mean,
-# are at most this number.
+# Maximum absolute exponent of a flat spectrum, and maximum rms deviation of its ln(density) from the mean.
 _MAX_FLAT_EXPONENT = 0.35
 # A noise floor may be steeper than a flat spectrum, because the surface contributes to its longer wavelengths.
 _MAX_FLOOR_EXPONENT = 0.7
 _PURE_NOISE_WAVELENGTH_FRACTION = 0.7
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
 _MAX_EQUAL_NOISE_RATIO = 2.0
-# Minimum ratio of the density of a spectrum to the density of noise that it hides: below 1, because of random scatter.
+# Minimum ratio of a spectrum's density to that of the noise it hides; random scatter can make it smaller than 1.
 _MIN_HIDING_DENSITY_RATIO = 0.8
-# With fewer independent lines, the noise of neighbouring lines is equal, as in rows with offsets, so the spectrum along
-# the other axis does not hide this noise.
+# Minimum number of independent lines: with fewer, neighbouring lines share noise (row offsets), which is not hidden.
 _MIN_INDEPENDENT_LINES = 8.0
 _MIN_EXTRAPOLATION_RATIO = 1e-6
 _NUM_BISECTION_STEPS = 60
@@ -648,7 +643,7 @@ def _find_noise_and_texture(
         return _NoiseAndTexture(math.nan, kind, 0.0, period)
     is_unattributed = q * wavelength_limit > 2 * math.pi
     mean_square_slope = float((np.square(q) * density)[is_unattributed].sum() * (q[1] - q[0]) / math.pi)
-    # The noise is assumed to be white: its density everywhere is the mean density at the largest wave numbers.
+    # The noise is assumed to be white: its density at all wave numbers is the mean density at the largest ones.
     if kind in INSTRUMENT_REASONS:
         floor_density = float(density[q * math.sqrt(2) > q[-1]].mean())
         mean_square_slope = min(mean_square_slope, floor_density * float(np.square(q).sum() * (q[1] - q[0])) / math.pi)
@@ -822,6 +817,5 @@ def _find_bin_before_rise(points: Floats, density: Floats, chance_variance: Floa
 def _is_quantised(body: Profile | Surface) -> bool:
     """Return whether rounding of the heights to a step explains a large fraction of a body's noise."""
     mean_square_second_difference = float(np.square(np.diff(body.heights, 2)).mean())
-    # Rounding heights to steps of s adds white noise of variance s²/12, whose mean square second difference is six
-    # times its variance.
+    # Rounding to steps s adds white noise of variance s²/12, whose mean square second difference is s²/2.
     return body.height_step**2 / 2 > _MIN_QUANTISATION_FRACTION * mean_square_second_difference

@@ -299,7 +299,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
     rounding_error = body.height_step / math.sqrt(12)
     if isinstance(body, Profile):
         typical_distances = np.abs(np.diff(body.heights, 2))
-        # A spike may have several points, so the points beside a large second difference count as sharp, too.
+        # Points beside a large second difference count as sharp too, because a spike may have several points.
         distances = maximum_filter(np.pad(typical_distances, 1), 3)
         threshold, rounding_distance = MIN_SPIKE_SHARPNESS_RATIO, math.sqrt(6) * rounding_error
     else:
@@ -309,7 +309,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
             np.abs(heights - np.median(heights)),
         )
         threshold, rounding_distance = MIN_SPIKE_HEIGHT_RATIO, rounding_error
-    # The median distance of rounded heights can be 0, so the usual distance is at least that caused by rounding.
+    # Rounding of heights can make the median distance 0, so the usual distance is at least `rounding_distance`.
     usual_distance = max(float(np.median(typical_distances)) / 0.6745, rounding_distance)
     return np.asarray(distances > threshold * usual_distance)
 

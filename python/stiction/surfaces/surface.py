@@ -17,10 +17,9 @@ AnyBody = TypeVar("AnyBody", bound="Profile | Surface")
 SurfaceAmplitudeMeasure = Literal["height", "Sa", "Sq"]
 BodyLike = Any
 
-# Names of amplitudes in the C++ core, which processes the heights of a map in the same way as a profile.
+# Names of amplitude parameters in the C++ core, which treats the heights of a map like those of a profile.
 _CPP_MEASURE_NAMES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
-# Smallest height range (µm): the fourth power of a smaller range underflows, and that of a range above the reciprocal
-# overflows.
+# Minimum height range (µm); its reciprocal is the maximum. Outside these limits, fourth powers under- or overflow.
 _MIN_BODY_HEIGHT_RANGE = 1e-50
 
 
@@ -90,7 +89,7 @@ class Surface(Body):
 
     def _extract_profile(self, index: Any, axis: int, step: str) -> Profile:
         mask = select_from_mask(self.missing, index)
-        # If no point of a line was measured, the interpolated heights of the line count as measured.
+        # A line without any measured point consists of interpolated heights, which then count as measured.
         mask = None if mask is None or mask.all() else mask
         return Profile(self.heights[index], spacing=self.spacing[axis], history=(*self.history, step), missing=mask)
 

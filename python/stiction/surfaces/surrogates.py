@@ -13,14 +13,13 @@ from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_s
 from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, reject_flat_body
 
 _RINGS_PER_DECADE = 12
-# Weight of the smoothness penalty, which dominates the fit in rings with fewer harmonics than this number.
+# Weight of the smoothness penalty. In rings with fewer harmonics than this number, the penalty dominates the fit.
 _SMOOTHNESS_PENALTY = 2.0
 _DENSITY_ROUND_OFF_FRACTION = 1e-14
 # Maximum number of iterations in the fit of a surrogate's spectrum; about ten are usually enough.
 _MAX_SPECTRUM_FIT_STEPS = 1000
 _LOG_DENSITY_TOLERANCE = 1e-6
-# Default limit for the points along each side of a surrogate: a half-space solution of 512 × 512 points takes some
-# tenths of a second.
+# Default limit for points per side of a surrogate: 512 × 512 points take tenths of a second in a half-space solution.
 _MAX_DEFAULT_SIDE_POINTS = 512
 
 
@@ -93,8 +92,7 @@ def surrogate(
     if periodic:
         amplitude = np.abs(np.fft.rfft(heights))
     else:
-        # The mirror image removes the jump between the ends of the profile, but adds harmonics, whose power is halved
-        # between both neighbours.
+        # Mirroring removes the jump between the ends, but adds harmonics. Half of their power goes to each neighbour.
         mirrored_power = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
         mirrored_power = np.append(mirrored_power, mirrored_power[-2])
         harmonic_indices = 2 * np.arange(points // 2 + 1)
@@ -236,7 +234,7 @@ def isotropic_surface(
     edges, density, _ = _fit_ring_densities(profile, periodic)
     q_y, q_x = (2 * math.pi * np.fft.fftfreq(points, profile.spacing) for points in (rows, columns))
     q = np.hypot(q_y[:, np.newaxis], q_x)
-    # Ring index 0 stands for wavelengths longer than the profile.
+    # Index 0 of `ring_index` stands for wavelengths longer than the profile.
     ring_index = np.searchsorted(edges, q, side="right")
     power = np.concatenate([[0.0], density, density[-1:]])[ring_index] * (rows * columns / profile.spacing**2)
     history_entry = f"an isotropic surface of its spectrum, seed {seed}, repetition {repetition}"
@@ -251,7 +249,7 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
     rows, columns = power.shape
     random_values = random_phases(seed, repetition=repetition, side=side, directions=rows, frequencies=2 * columns)
     phases, uniform_numbers = random_values[:, :columns], random_values[:, columns:] / (2 * math.pi)
-    # The real part of the transform, which gives the heights, has half of the power, so the power is multiplied by 2.
+    # The heights are the real part of the transform, which has half of the power, so the power is multiplied by 2.
     coefficients = np.sqrt(-2 * power * np.log1p(-uniform_numbers)) * np.exp(1j * phases)
     return np.asarray(ifft2(coefficients, overwrite_x=True).real)
 
@@ -277,7 +275,7 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
     measured_density = np.maximum(measured_density, _DENSITY_ROUND_OFF_FRACTION * measured_density.max())
     # A further ring covers the corners of the Fourier grid, where both wave numbers approach the Nyquist wave number.
     edges = np.append(edges, math.sqrt(2) * nyquist_wave_number * (1 + 1e-9))
-    # Mean spectral density of a line in each bin, if the density of the surface is 1 in a single ring and 0 elsewhere.
+    # Mean spectral density of a line in each bin, for a surface whose density is 1 in one ring and 0 elsewhere.
     transverse_wave_number = np.minimum(
         np.sqrt(np.maximum(edges**2 - wave_number[:, np.newaxis] ** 2, 0)), nyquist_wave_number
     )

@@ -13,8 +13,7 @@ from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, reject_missing_points
 from stiction.surfaces.surface import Surface, as_body
 
-# The tip touches a point if the gap between them is at most this fraction of the height range or of the largest
-# absolute height.
+# Maximum gap between the tip and a touched point, as a fraction of the height range or largest absolute height.
 _TIP_CONTACT_TOLERANCE = 1e-9
 
 

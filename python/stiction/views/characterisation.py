@@ -37,7 +37,7 @@ _MIN_PEAK_FOURTH_MOMENT_FRACTION = 0.1
 _MIN_REPORTED_DISPERSION_RATIO = 2.0
 
 _PRINTED_UNITS_BY_JSON_UNIT = {"1": "", "um2": " µm²", "1/um": " 1/µm", "1/um2": " 1/µm²", "degrees": "°"}
-# Units in JSON that `_json_unit` does not derive from the printed unit: dimensionless parameters have the unit "1".
+# Exceptions from the rule of `_json_unit`: in JSON, dimensionless parameters have the unit "1".
 _JSON_UNIT_EXCEPTIONS = {"": "1"}
 
 

@@ -112,7 +112,7 @@ def joint_json(tables: Sequence[JointTable], sources: Sequence[str]) -> str:
     for table in tables:
         for row in table.rows:
             at = {"load": row.load, "mu0": table.mu0, "tau0": table.tau0}
-            # Loads and tau0 are in core units, like the coordinates of all estimates in JSON.
+            # In JSON, loads and tau0 are in core units, like the coordinates of all estimates.
             assessments.append(at | {"load_unit": "mN", "tau0_unit": "GPa", "assessment": row.assessment})
             for name, estimate in row.estimates.items():
                 depends_on_rule = estimate.name in QUANTITIES and "sliding" in QUANTITIES[estimate.name].along

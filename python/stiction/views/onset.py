@@ -15,7 +15,7 @@ from stiction.views.point import coordinate_text
 if TYPE_CHECKING:
     from stiction.study.study import Study
 
-# Tangential loads as fractions of the sliding load.
+# Tangential load at which results are quoted, and load amplitudes of cycles, as fractions of the sliding load.
 QUOTED_TANGENTIAL_LOAD_FRACTION = 0.5
 CYCLE_AMPLITUDES = (0.5, 0.9)
 

@@ -37,7 +37,7 @@ class QuantityRow:
     label: str
     estimates: Sequence[Estimate]
     num_digits: int | None = None
-    # A status other than "ok" is printed instead of the number of a result point.
+    # Statuses of the result points. A status other than "ok" is printed instead of the number.
     statuses: Sequence[str] = ()
 
 
@@ -97,7 +97,7 @@ def _list_printed_quantities(point: PointSummary, *, verbose: bool, is_sentence:
     """
     has_area_fraction = "contact_area_fraction" in point.quantities and not math.isnan(point.nominal_pressure)
     is_hidden = {
-        # The sentence leaves out the mean pressure, which follows from load and area.
+        # A sentence leaves out the mean pressure, because it follows from load and area.
         "mean_pressure": is_sentence,
         "contact_area": has_area_fraction and not verbose, "contact_area_fraction": not has_area_fraction,
         **dict.fromkeys(("closure", "closure_stiffness"), not (verbose or point.study.is_gap)),

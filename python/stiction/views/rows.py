@@ -147,7 +147,7 @@ def _quantity_columns(dataset: xarray.Dataset, name: str) -> dict[str, Any]:
         columns["status"] = np.where(np.isfinite(columns["value"]), STATUS_OK, "no-mean")
     is_directed = name in QUANTITIES and QUANTITIES[name].is_directed
     for coordinate in COORDINATE_ORDER:
-        # A single sliding rule or direction is a scalar coordinate of the dataset, and becomes a column, too.
+        # The only sliding rule or direction of a dataset is a scalar coordinate, and becomes a column too.
         is_scalar = coordinate in dataset.coords and not dataset.variables[coordinate].ndim
         if coordinate in dims or (is_scalar and (is_directed or coordinate not in ("sliding", "direction"))):
             columns[coordinate] = broadcast_to_rows(dataset.variables[coordinate])
@@ -358,7 +358,7 @@ def point_record(point: PointSummary) -> dict[str, Any]:
         "at": point.at,
         "ranges": {name: find_covered_range(point, name) or None for name in ("mu0", "tau0")},
         "cutoffs": None if point.cutoffs is None else _build_body_fields(map(list, point.cutoffs)),
-        # False for a result point at a further cutoff, because the interval of a reported point already covers it.
+        # False at a cutoff other than the reported one, whose interval already covers this result point.
         "reported": not point.covered,
         "status": point.status,
         "rules": [

@@ -329,7 +329,7 @@ def _varying_ranges_note(points: Sequence[PointSummary]) -> str:
 def _averaged_members_text(point: PointSummary) -> str:
     """Return the number and kind of the averaged surface pairs as text, as in "8 positions"."""
     study = point.study
-    # If a study of maps has positions and surrogates, a result point averages only the positions.
+    # For maps with positions and surrogates, a result point is the mean over the positions only.
     names = study.member_names if study.surfaces.press != "areas" else POSITION_NAMES
     explanation = " (random surfaces with these spectra)" if study.surfaces.press == "surrogates" else ""
     return f"{point.members:.0f} {names[1]}{explanation}"

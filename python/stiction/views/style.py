@@ -40,10 +40,10 @@ MATPLOTLIB_STYLE: dict[Any, Any] = {
     # Font type 42 embeds fonts, as journals require.
     "pdf.fonttype": 42,
     "svg.fonttype": "path",
-    # With a constant salt, equal figures give identical files.
+    # A constant salt for the hashes in SVG files makes the files of equal figures identical.
     "svg.hashsalt": "stiction",
     "axes.unicode_minus": True,
-    # These settings prevent `Figure.set_layout_engine` from creating the engine that a user's settings demand.
+    # With these settings, `Figure.set_layout_engine` does not create the layout engine that a user's settings demand.
     "figure.autolayout": False,
     "figure.constrained_layout.use": False,
 }
@@ -216,7 +216,8 @@ def render_figure(figure: Figure, file_format: str) -> bytes:
     with mpl.rc_context(MATPLOTLIB_STYLE):
         if file_format == "png":
             write_png(figure, content, dpi=figure.dpi, metadata=metadata[file_format])
-            figure.set_layout_engine(None)  # keeps the axes placed, as `place_axes` does
+            # Removing the layout engine keeps the axes at their place, as `place_axes` does.
+            figure.set_layout_engine(None)
         else:
             place_axes(figure)
             figure.savefig(content, format=file_format, metadata=metadata[file_format])

@@ -151,8 +151,7 @@ class DecodedText:
             remainder, mark_count = self.missing_word_pattern.subn(b"", self.raw_line(line_number))
             is_numeric_row = mark_count and not remainder.translate(None, NUMERIC_CHARACTERS)
             kinds[line_number] = NUMBER_LINE_CODE if is_numeric_row else TEXT_LINE_CODE
-        # Between rows of numbers, a line of asterisks or dashes marks a row of missing points. Elsewhere, such a line
-        # marks a new section.
+        # Between rows of numbers, a line of asterisks or dashes marks missing points. Elsewhere, it starts a section.
         nonblank_lines = np.flatnonzero(kinds != BLANK_LINE_CODE)
         is_ruler = (kinds[nonblank_lines] == TEXT_LINE_CODE) & (
             bits[nonblank_lines] & (_NON_NUMBER_CHARACTER_BIT | _DIGIT_BIT) == 0
@@ -189,7 +188,7 @@ def decode_text(data: bytes, words: tuple[str, ...] = ()) -> DecodedText:
     if not text.isascii():
         for minus_sign in ("\u2212", "\uff0d", "\ufe63"):
             text = text.replace(minus_sign.encode(), b"-")
-        # Bytes of three kinds of Unicode spaces, which may separate groups of three digits.
+        # UTF-8 bytes of three Unicode spaces that may separate groups of three digits.
         space_pattern = b"(?:\xc2\xa0|\xe2\x80\xaf|\xe2\x80\x89)"
         text = re.sub(rb"(?<=[0-9])" + space_pattern + rb"(?=[0-9]{3}(?![0-9]))", b"", text)
         text = re.sub(space_pattern, b" ", text)

@@ -683,8 +683,7 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
         )
         return tuple(map(unit_in_column_name, cells)) if cells is not None and is_name_line else (None,) * width
     if cells is not None and any(unit_in_column_name(cell) for cell in cells):
-        # If one column name ends with a known unit, such as "x mm", the others are assumed to end with units, such as
-        # "z V".
+        # If one column name ends with a known unit ("x mm"), other names are assumed to end with units too ("z V").
         last_words = [_split_name(cell)[-1] for cell in cells]
         names_end_with_units = any(map(parse_length_unit, last_words))
         return tuple(

@@ -122,8 +122,7 @@ def _read_channel(path: Path, index: int, name: str) -> RawHeights | ColumnTable
         if isinstance(channel.unit, tuple):
             raise FormatError(f"has a channel {index} ({name}) that does not contain heights; choose another channel")
         has_sizes = channel.physical_sizes is not None
-        # If a file lacks physical sizes, which SurfaceTopography requires, the numbers of points serve as sizes and the
-        # spacing is ignored.
+        # If a file lacks the required physical sizes, numbers of points replace them, and the spacing is ignored.
         size_arguments = {} if has_sizes else {"physical_sizes": tuple(map(float, np.atleast_1d(channel.nb_grid_pts)))}
         source = HeightProvenance(f"{reader.format()} by SurfaceTopography", column=name)
         topography = channel.topography(**size_arguments)

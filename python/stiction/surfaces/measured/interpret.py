@@ -43,9 +43,9 @@ The spacing then has a relative error of at most 1/1000.
 """
 
 _SPACING_RANGE = (1e-6, 1e6)
-# Largest plausible length or height (µm): a larger number has a wrong unit or marks a missing point.
+# Largest plausible length or height (µm). A larger number has a wrong unit or marks a missing point.
 _MAX_LENGTH = 1e9
-# Largest relative rounding error of a code for missing points that is stored in single precision.
+# Relative tolerance of codes for missing points, because single precision rounds such codes.
 MISSING_CODE_TOLERANCE = 1e-6
 _Length = TypeVar("_Length", float, Floats)
 
@@ -65,7 +65,7 @@ class ReadOptions:
     codes: tuple[float, ...] = ()  # in the unit of the file
     words: tuple[str, ...] = ()
     accept: tuple[str, ...] = ()
-    # True if the caller gives one unit, for the heights and for all positions whose unit the file does not state.
+    # True if the caller specifies one unit, for heights and for positions whose unit is not in the file.
     one_unit: bool = False
 
 
@@ -606,8 +606,7 @@ def _find_worst_position_deviation(
     """
     steps = np.arange(x.size)
     deviations = x - x[0] - steps * spacing
-    # Rounding the first and the last position changes their distance by up to one unit of the last digit; truncation
-    # changes it less.
+    # Rounding of both end positions changes their distance by up to one unit of the last digit, truncation by less.
     tolerance = np.maximum(last_digit_values, np.linspace(last_digit_values[0], last_digit_values[-1], x.size)) * (
         1 + 1e-6
     )

@@ -17,19 +17,17 @@ from stiction.surfaces.measured.raw import FileCaveat, FormatError
 
 MIN_GRID_POINTS = 9
 MAX_GRID_NODES_PER_LISTED_POINT = 2
-# Maximum number of columns in a list of points, such as coordinates, colours, intensity and surface normal.
+# Maximum number of columns in a list of points: coordinates and, for example, colours, intensity and normal vectors.
 MAX_POINT_COLUMNS = 12
 MIN_POINT_ROWS = 12
 MAX_STATISTIC_LINES = 6
-# Tolerance of statistics in a matrix, in standard deviations of the heights: larger than the effect of rounding, and
-# smaller than the deviation of a measured row.
+# Tolerance for recognizing a line of statistics in a matrix, as a fraction of the standard deviation of the heights.
 MAX_STATISTIC_DEVIATION = 2e-3
 MAX_WRAPPED_COLUMNS = 32
 MIN_WRAPPED_LINES = 3
-# A matrix gets a caveat about a wrapped profile, unless a map is more than this many times as likely.
+# A matrix gets a caveat about a wrapped profile unless it is more than this many times as likely to be a map.
 MAX_LIKELIHOOD_RATIO = 100.0
-# The search for a wrapped profile ignores heights that differ from the median height by more than this multiple of the
-# median deviation.
+# The search for wrapped profiles ignores heights at more than this many median deviations from the median height.
 MAX_DEVIATION_IN_LINES = 8.0
 # In a wrapped profile, neighbours in a column have a larger mean square difference than neighbours in a line.
 MIN_COLUMN_TO_LINE_DIFFERENCE_RATIO = 2.0
@@ -156,7 +154,7 @@ def _find_statistics(values: Floats) -> str | None:
     for axis, line_kind in ((0, "row"), (1, "column")):
         lines = values if axis == 0 else values.T
         for side, ordered_lines in (("last", lines), ("first", lines[::-1])):
-            # A few columns are checked first, and all columns only if these agree: most matrices contain no statistics.
+            # A few columns are checked first, and all columns only if these agree: few matrices contain statistics.
             sample = np.linspace(0, lines.shape[1] - 1, min(8, lines.shape[1])).astype(int)
             for count in range(1, min(MAX_STATISTIC_LINES, lines.shape[0] - 4) + 1):
                 name = _find_statistic_name(ordered_lines[:, sample], count)
@@ -207,7 +205,7 @@ def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
         return ()
     difference_ratio = difference_across / difference_along
     num_wraps = np.count_nonzero(np.isfinite(steps_at_wrap))
-    # Logarithm of (likelihood of a map) / (likelihood of a wrapped profile), for normal distributions of differences.
+    # Logarithm of (likelihood of a map) / (likelihood of a wrapped profile) for normally distributed differences.
     log_likelihood_ratio = (
         num_wraps / 2 * (difference_at_wrap / difference_along * (1 - 1 / difference_ratio) - np.log(difference_ratio))
     )

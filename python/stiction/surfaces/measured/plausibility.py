@@ -30,18 +30,18 @@ MIN_CODE_TO_MEDIAN_DEVIATION_RATIO = 3.0
 MAX_SAMPLED_HEIGHTS = 65_536
 MIN_COMPARED_HEIGHTS = 20
 NUM_NEIGHBOURS = 12
-# A height is unusually frequent if it occurs at least MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) times,
-# where m is the median frequency of similar heights.
+# Let m be the median frequency of similar heights.
+# A height is unusually frequent if it occurs at least MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) times.
 MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
 MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4
-# Zeros are unusually frequent above 2 m + MIN_ZERO_DEVIATIONS · sqrt(2 m) + MIN_ZEROS, where m is the largest mean
-# frequency of the nearest 1, 3 and 12 heights on each side of 0.
+# Let m be the mean frequency of heights near 0: the largest mean of the nearest 1, 3 or 12 heights on each side.
+# Zeros are unusually frequent if they occur 2 m + MIN_ZERO_DEVIATIONS · sqrt(2 m) + MIN_ZEROS times.
 MIN_ZERO_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
 # If a larger fraction of the rows of a map are repeated, the map is probably a profile that was extended along y.
 MAX_REPEATED_ROWS = 0.9
 # A run of equal heights in a profile gets a caveat if the probability that rounding causes it is at most 1e-4.
 MIN_EQUAL_RUN_LENGTH, MAX_RUN_PROBABILITY = 8, 1e-4
-# A height range that is a power of 1000 (within 10 %) smaller than declared indicates a wrong unit.
+# If the height range is smaller than declared by a power of 1000 (within 10 %), the unit of the heights is wrong.
 MAX_RATIO_TO_DECLARED_HEIGHT_RANGE, MAX_UNIT_FACTOR_DEVIATION, UNIT_FACTOR = 10.0, 0.1, 1000.0
 MIN_CHECKED_POINTS = 20
 MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6  # µm
@@ -54,10 +54,10 @@ class ScannedHeights:
     heights: Floats
     spacing: tuple[float, ...]  # µm, along y and x
     factor: float = 1.0  # number in the file to µm
-    # False for heights passed as an array: some checks do not apply, because the heights may have been computed.
+    # False if heights were passed as an array. They may have been computed, so some plausibility checks do not apply.
     from_file: bool = True
     declared_range: float | None = None  # µm, stated in the header
-    # True for heights read from text, where whole numbers may be counts of an analogue-to-digital converter.
+    # True if heights were read from text, where whole numbers may be counts of an analogue-to-digital converter.
     from_text: bool = True
 
     @cached_property
@@ -141,7 +141,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
     if near_sample.size > MIN_DISTINCT_HEIGHTS and not has_gap:
         return []
     is_far = (heights < median - max_near_deviation) | (heights > median + max_near_deviation)
-    # A code for missing points leaves a large gap between the sorted heights; without such a gap, there is no code.
+    # In sorted order, a large gap separates a code for missing points from the other heights.
     gaps = np.diff(np.sort(np.concatenate([heights[is_far], [near_sample.min(), near_sample.max()]])))
     if not is_far.any() or (near_sample.size > MIN_DISTINCT_HEIGHTS and not (gaps > max_gap).any()):
         return []

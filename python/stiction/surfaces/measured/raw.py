@@ -48,7 +48,7 @@ _LEADING_NUMBER_PATTERN = re.compile(
 """Regular expression for a decimal number, which a unit may follow. Hexadecimal and incomplete numbers do not match."""
 
 _ARCHIVE_CHUNK_SIZE = 1 << 16
-# Compression methods of ZIP archives whose content can be decompressed in pieces of limited size.
+# Compression methods of ZIP archives that permit decompression in pieces of limited size.
 _COMPRESSION_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
@@ -136,7 +136,7 @@ class UnclearSpacing:
     """
 
     line: str
-    # Lengths (µm) that the header line contains: one for both axes, or one for each axis in an unknown order.
+    # Lengths (µm) in the header line: one for both axes, or two if the order of the axes is unknown.
     lengths: tuple[float, ...] = ()
 
 
@@ -211,7 +211,7 @@ class ColumnTable:
     history: tuple[str, ...] = ()
     is_array: bool = False
     source: HeightProvenance = HeightProvenance()
-    # For each column of the table, the number of the column in the file; None if the table has all columns of the file.
+    # Column numbers in the file, one for each column of the table; None if the table has all columns of the file.
     places: tuple[int, ...] | None = None
     # Number of rows and first line (counted from 1) of each block, if empty lines divide the text into blocks of rows.
     block_lengths: tuple[int, ...] = ()
@@ -257,7 +257,8 @@ class HeightChannels:
 
     names: tuple[str, ...]
     read: Callable[[int], RawHeights | ColumnTable]
-    default: int | None  # None if the caller must choose
+    # Index of the channel that is read by default; None if the caller must choose a channel.
+    default: int | None
 
 
 ReaderResult = RawHeights | ColumnTable | HeightChannels

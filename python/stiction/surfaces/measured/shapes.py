@@ -54,11 +54,9 @@ MAX_SELECTED_PROFILE_COLUMNS = 3  # x, y and z
 MIN_JITTERED_POSITIONS = 8
 MAX_RELATIVE_STEP_DEVIATION = 0.5
 MIN_TILT_CORRELATION = 0.98
-# The first number of a column is compared with this many heights below it. It gets a caveat if it has fewer decimals
-# than all of them.
+# The first number of a column gets a caveat if it has fewer decimals than each of this many numbers below it.
 MIN_COMPARED_NUMBERS = 20
-# Minimum step of evenly spaced numbers, in units of the last printed digit: smaller steps of coarsely rounded heights
-# may be equal by chance.
+# Minimum step (last printed digits) of evenly spaced numbers. Smaller steps of rounded heights may be equal by chance.
 MIN_STEP_IN_LAST_DIGITS = 3.0
 NameOrIndex = str | int
 
@@ -685,7 +683,7 @@ def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None
     steps = np.diff(first_line[1:])
     if np.ptp(steps) > MAX_RELATIVE_STEP_DEVIATION * abs(steps.mean()) or not ((steps > 0).all() or (steps < 0).all()):
         return False
-    # If the surface is tilted, positions and heights both rise in unequal steps, but only heights rise in every line.
+    # Positions with jitter rise only in the first line, but the heights of a tilted surface rise in every line.
     return any(_correlate_with_index(other_line) < MIN_TILT_CORRELATION for other_line in other_lines)
 
 

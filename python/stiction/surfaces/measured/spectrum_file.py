@@ -20,15 +20,14 @@ from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FormatError
 WAVE_NUMBER_COLUMN, DENSITY_COLUMN, WAVE_COUNT_COLUMN = "wave number (1/um)", "C2D (um4)", "waves"
 """Column names of a spectrum file. Tables from other programs need not have the last column."""
 
-# Prefixes of the names of two columns for each scan: the fraction of wave vectors that the scan contributes, and the
-# ratio of the scan's spectral density to the joined density.
+# Prefixes of two columns per scan: its fraction of the wave vectors, and the ratio of its density to the joined one.
 WAVE_VECTOR_FRACTION_COLUMN_PREFIX, DENSITY_RATIO_COLUMN_PREFIX = "fraction of ", "power over the joined of "
 _SCAN_LINE_PATTERN = re.compile(
     r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)"
 )
 _HASH_LINE_PATTERN = re.compile(r"^#.*\n?", re.MULTILINE)
 _NUM_BYTES_WITH_COLUMN_NAMES = 100_000
-# Rounded wave numbers in a spectrum file change the ratio of successive wave numbers by at most this fraction.
+# Rounding of wave numbers in a spectrum file changes the ratio of successive ones by at most this fraction.
 _RATIO_TOLERANCE = 1e-3
 
 

@@ -58,7 +58,7 @@ class Dialect:
     separator: str | None
     point: str
     thousands: str = ""
-    # True if commas both separate cells and mark decimals, so that two cells form one number.
+    # True if commas separate cells and also mark decimals, so that two cells form one number.
     pairs: bool = False
 
     def __str__(self) -> str:
@@ -333,7 +333,7 @@ def parse_number_block(
     starts, row_widths = stiction._core.find_rows(blob, cell_separator.decode())
     usual_width = Counter(row_widths.tolist()).most_common(1)[0][0]
     if usual_width == 1 and row_widths.max() == 2 and (row_widths == 2).sum() > 1:
-        # Most rows have one cell, but the table has two columns: in these rows, the height is missing.
+        # If most rows of a table with two columns have a single cell, these rows lack a height.
         usual_width = 2
     if usual_width > MAX_CELLS_PER_LINE:
         raise FormatError(
@@ -455,7 +455,7 @@ def _to_plain_rows(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> t
 
 
 _MISSING_MARK_PATTERN = re.compile(rb"(?<![^\s;,|\"])(?:\*{1,40}|-{2,40})(?![^\s;,|\"])")
-# The two bytes of "--" as one integer, which is the same in both byte orders.
+# The word "--" as an integer of two bytes, which is the same in both byte orders.
 _TWO_DASHES_AS_INTEGER = int.from_bytes(b"--", "little")
 _BLANK_IN_NUMBER_PATTERN = re.compile(rb"[0-9.] +[-+0-9.]")
 

@@ -34,7 +34,7 @@ def find_layout(text: DecodedText) -> TextLayout | None:
 
     Returns None if no layout recognises the text.
     """
-    # A file that stiction wrote has no layout of an instrument, even if its history resembles an instrument's header.
+    # A file that stiction wrote has no instrument's layout, even if its history resembles an instrument's header.
     if _STICTION_FIRST_LINE_PATTERN.fullmatch(text.line(0)):
         return None
     return next((layout for layout in TEXT_LAYOUTS if layout.recognises(text)), None)

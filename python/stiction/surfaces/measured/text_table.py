@@ -42,12 +42,11 @@ MAX_HISTORY_ENTRY_CHARACTERS = 1000
 MAX_HISTORY_STEPS = 1000
 
 
-# Above or below a table, at most 2 other lines of numbers are accepted, plus this fraction of the table's line count.
+# Limit for other lines of numbers above or below a table: 2 lines, plus this fraction of the table's lines.
 MAX_FOOTER_FRACTION = 0.1
 
 
-# The last number of a file is compared with this many numbers above it. It is reported as cut off if it has fewer
-# decimals, and if all numbers above it have equally many.
+# The last number of a file counts as cut off if this many numbers above it have an equal, larger number of decimals.
 MIN_ROWS_ABOVE_CUT_NUMBER = 50
 
 

@@ -90,7 +90,7 @@ def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
         loc="outside lower center",
         ncols=len(handles),
     )
-    # The lengths of arrows depend on the size of the axes, which this call fixes.
+    # This call fixes the size of the axes, on which the lengths of arrows depend.
     place_axes(figure)
     if contact_force.size:
         max_arrow_length = _make_room_for_arrows(zoomed_axes, unit_factor * float(centre_z[is_in_zoom].max()))
@@ -131,7 +131,7 @@ def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
     axes.plot(x, lower, color="#7d6a3c", linewidth=0.5)
     axes.set_ylim(bottom - margin, top + margin)
     for name, height, vertical_alignment in (("upper body", 0.97, "top"), ("lower body", 0.03, "bottom")):
-        # In dark mode, labels become light but bodies drawn as pixels stay light, so a white box keeps a label legible.
+        # In dark mode, labels turn light. A box, which turns dark, keeps them legible on bodies drawn as pixels.
         axes.text(
             0.01, height, name, transform=axes.transAxes, fontsize=6, color="#333333", va=vertical_alignment,
             bbox={"facecolor": "white", "linewidth": 0, "pad": 0.8},

@@ -48,7 +48,7 @@ MIN_FADED_INTERVAL_WIDTH, FULLY_FADED_INTERVAL_WIDTH, MAX_FADING = 0.3, 1.2, 0.8
 """Relative interval widths at which the fading of a chart cell begins and ends, and the strongest fading."""
 
 CURVE_LABEL_SPACING = 2.4  # mm
-# Bands of intervals are cut off beyond this multiple of the largest mean.
+# Bands of intervals are drawn only up to this multiple of the largest mean.
 MAX_DRAWN_BAND_RATIO = 2.0
 HEADING_HEIGHT = 4.0  # mm
 MAX_LEGEND_COLUMNS = 4
@@ -296,7 +296,7 @@ def _hatch_cells(axes: Axes, x: Floats, y: Floats, is_hatched: NDArray[np.bool_]
         vertices += [(left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)]
     if vertices:
         codes = np.tile([Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY], len(vertices) // 5)
-        # A black and a white line together are visible on any colour.
+        # A thin white line on a black line is visible on any colour.
         for colour, width in (("black", 0.7), ("white", 0.3)):
             patch = PathPatch(Path(vertices, codes), **_INVALID_CELL_STYLE | {"edgecolor": colour})
             patch.set_hatch_linewidth(width)

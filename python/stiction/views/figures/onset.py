@@ -220,7 +220,7 @@ def _sum_with_triangular_weights(counts: NDArray[np.int64], width: int, axis: in
     """
     lines = np.moveaxis(counts, axis, 0)
     sums = np.pad(lines, [(width, width - 1)] + [(0, 0)] * (lines.ndim - 1))
-    # Two moving sums over `width` elements, one after the other, are a sum with triangular weights.
+    # Two successive moving sums over `width` elements equal one sum with triangular weights.
     for num_zeros in (0, 1):
         cumulative = np.cumsum(np.pad(sums, [(num_zeros, 0)] + [(0, 0)] * (lines.ndim - 1)), axis=0)
         sums = cumulative[width:] - cumulative[:-width]

@@ -153,7 +153,7 @@ def _generated_surface_figures(result: Evaluation, study: Study) -> Iterator[tup
             case "area":
                 for suffix, motion_result in iterate_motions(result):
                     yield f"area{suffix}", partial(_area_figure, motion_result)
-            # Only studies with one direction and friction at all contacts store the onset.
+            # The onset of sliding is stored only for studies with one direction and friction at all contacts.
             case "onset":
                 yield "onset", partial(_onset_figure, next(iterate_motions(result))[1])
 

@@ -226,7 +226,7 @@ def _adhesion_panel(loading_cycle: xarray.Dataset, title: str) -> FigurePanel:
 # ---- Inline SVG ------------------------------------------------------------------------------------------------------
 
 
-# Elements of a figure with more vertices than this are drawn as pixels.
+# A figure element with more vertices than this number is drawn as pixels.
 MAX_SVG_VERTICES = 1000
 RASTER_DPI = 200  # dots per inch
 

@@ -15,7 +15,7 @@ from stiction._checks import Floats
 from stiction._estimate import Estimate, count_estimate_decimals
 from stiction._number_format import MIN_NUMBER_ROUNDED_TO_ONE, NumberFormat
 
-# Number of leading bytes of a double that a report stores: four bytes give a relative precision of 5e-7.
+# A report stores this number of leading bytes of each double; four bytes give a relative precision of 5e-7.
 STORED_FLOAT_BYTES = 4
 
 # Level 7 of zlib takes a sixth of the time of level 9, and makes files only 0.5 % larger.
