@@ -10,6 +10,7 @@ from stiction.evaluate.member_values import member_values
 from stiction.mechanics.friction import FrictionLaw
 from stiction.solve.member_sums import MemberSums
 from stiction.views.latex import latex_table
+from stiction.views.sentence import contributions_text
 
 pytestmark = pytest.mark.usefixtures("no_companion_files")
 
@@ -43,6 +44,16 @@ def growth_result():
 @pytest.fixture(scope="module")
 def result_without_growth():
     return pair(*rough_surfaces(), **PLASTIC_OPTIONS | INTERFACE_STRENGTH, junction_growth=0)
+
+
+def test_contribution_of_tau0_acts_on_the_area_at_the_onset_of_sliding(growth_result):
+    values, point = growth_result.at(), growth_result.summary().first
+    areas = [float(values[name].sel(statistic="mean").squeeze()) for name in ("contact_area", "contact_area_at_onset")]
+    contribution = point.contribution_terms["adhesion"]
+    contribution_before_shear, expected = (point.at["tau0"] * area / point.at["load"] for area in areas)
+    assert contribution == pytest.approx(expected, rel=1e-12)  # round-off
+    assert contribution > 1.1 * contribution_before_shear
+    assert f"{contribution:.3f} (τ0 on the area at the onset of sliding)" in contributions_text(point)
 
 
 def test_friction_of_fully_plastic_contacts_equals_tabor_friction():

@@ -161,7 +161,8 @@ def test_contributions_of_mu0_and_adhesion_are_summed_if_the_interface_does_not_
     mu0, adhesion, slopes = separated_point.contributions
     assert point.contribution_terms == pytest.approx({"mu0_and_adhesion": mu0 + adhesion, "slopes": slopes})
     assert point.roughness_contribution is None
-    assert f"{mu0 + adhesion:.3f} (μ0 and τ0 on the true area, not separated by the tests)" in contributions_text(point)
+    label = "μ0 and τ0 on the area at the onset of sliding, not separated by the tests"
+    assert f"{mu0 + adhesion:.3f} ({label})" in contributions_text(point)
     sum_text = Estimate(*film.identified).text()
     assert f"its tests determine only μ0 + τ0 A/F = {sum_text}" in unseparated_result.sentence
     assert "μ0 = " in result.sentence

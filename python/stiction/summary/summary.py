@@ -115,7 +115,7 @@ class PointSummary:
     budget : tuple of UncertaintyBudgetEntry
         Intervals that would remain if an input were exact, starting with the most important input.
     contributions : (float, float, float), optional
-        Contributions to the coefficient: mu0, tau0 on the true area, and slopes.
+        Contributions to the coefficient: mu0, tau0 on the true area at the onset of sliding, and slopes.
     after_dwell : tuple of DwellTimeCoefficient
         Coefficients after each dwell time of the study.
     covered : bool

@@ -31,8 +31,8 @@ _COORDINATE_UNITS = {"load": "mN", "tau0": "GPa", "amplitude": "um", "cut_off": 
 
 
 CONTRIBUTION_LABELS = {
-    "mu0": "μ0", "adhesion": "τ0 on the true area", "slopes": "slopes",
-    "mu0_and_adhesion": "μ0 and τ0 on the true area, not separated by the tests",
+    "mu0": "μ0", "adhesion": "τ0 on the area at the onset of sliding", "slopes": "slopes",
+    "mu0_and_adhesion": "μ0 and τ0 on the area at the onset of sliding, not separated by the tests",
 }  # fmt: skip
 """Labels of the contributions to a coefficient, by the names of `PointSummary.contribution_terms`."""
 

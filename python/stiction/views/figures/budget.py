@@ -25,7 +25,7 @@ MAX_ROW_LABEL_WIDTH = 20  # characters
 
 _CONTRIBUTION_STYLES = {
     "": (NOT_OPPOSING_CONTACT_COLOUR, None), "mu0": (NOT_OPPOSING_CONTACT_COLOUR, r"$\mu_0$"),
-    "adhesion": (AREA_COLOUR, r"$\tau_0$ on the true area"), "slopes": (OPPOSING_CONTACT_COLOUR, "slopes"),
+    "adhesion": (AREA_COLOUR, r"$\tau_0$ on the area at the onset"), "slopes": (OPPOSING_CONTACT_COLOUR, "slopes"),
     "mu0_and_adhesion": (NOT_OPPOSING_CONTACT_COLOUR, r"$\mu_0$ and $\tau_0$, not separated"),
 }  # fmt: skip
 """Colour and label of each contribution to the coefficient, by the names of `PointSummary.contribution_terms`."""
