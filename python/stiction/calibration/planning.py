@@ -14,15 +14,12 @@ from stiction._checks import Floats, check_instance
 from stiction.calibration.friction_tests import find_pair_hardness
 from stiction.calibration.prediction import Interface
 from stiction.mechanics.friction import FrictionLaw
-from stiction.mechanics.hardness import MAX_ELASTIC_PRESSURE_RATIO
+from stiction.mechanics.hardness import MAX_ELASTIC_PRESSURE_RATIO, ball_yield_pressure
 from stiction.study.input_distributions import Z_95
 from stiction.study.interfaces import StrengthFit, ValueWithLimits, round_median_strength
 
 DEFAULT_RELATIVE_ERROR = 0.05
 BALL_LOAD_RANGE = 100.0
-
-BALL_YIELD_PRESSURE_RATIO = 0.39
-"""Ratio of mean pressure to hardness at which a ball starts to yield: 1.1/2.84 (Johnson 1985, chapter 6)."""
 
 
 class PlannedTests(NamedTuple):
@@ -47,7 +44,7 @@ class PlanConditions(NamedTuple):
     @property
     def ball_yield_limit(self) -> float:
         """Mean pressure (GPa) at which a ball starts to yield, or NaN if the hardness is unknown."""
-        return BALL_YIELD_PRESSURE_RATIO * self.hardness
+        return ball_yield_pressure(self.hardness)
 
 
 def find_plan_conditions(interface: Interface, hardness: float = math.nan) -> PlanConditions:
@@ -81,7 +78,7 @@ def _compute_areas_per_load_of_ball_tests(area_per_load: float, count: int, hard
     yield at this A/F, the lowest load.
     """
     ball_ratio = BALL_LOAD_RANGE ** (1 / 6)
-    central_area_per_load = float(np.fmax(area_per_load, ball_ratio / (BALL_YIELD_PRESSURE_RATIO * hardness)))
+    central_area_per_load = float(np.fmax(area_per_load, ball_ratio / ball_yield_pressure(hardness)))
     if count == 1 and central_area_per_load > area_per_load:
         return np.array([central_area_per_load * ball_ratio])
     return np.asarray(central_area_per_load * np.geomspace(1 / ball_ratio, ball_ratio, count))

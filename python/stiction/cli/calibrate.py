@@ -180,7 +180,7 @@ def _describe_yielding_ball(ball: Ball, loads: Sequence[float], pairs: Mapping[s
     """
     from stiction._number_format import format_with_unit
     from stiction.calibration.friction_tests import find_pair_hardness
-    from stiction.calibration.planning import BALL_YIELD_PRESSURE_RATIO
+    from stiction.mechanics.hardness import BALL_YIELD_PRESSURE_RATIO, ball_yield_pressure
 
     if ball.elasticity.hardness is None or not loads:
         return ""
@@ -193,7 +193,7 @@ def _describe_yielding_ball(ball: Ball, loads: Sequence[float], pairs: Mapping[s
     ]:
         hardness, name = min(pair_hardnesses)
         hardness_text = f"the hardness of {name}, {format_with_unit(hardness, 'GPa')}"
-    max_load, yield_limit = max(loads), BALL_YIELD_PRESSURE_RATIO * hardness
+    max_load, yield_limit = max(loads), ball_yield_pressure(hardness)
     max_pressure = 1 / ball.area_per_load(max_load)
     if max_pressure <= yield_limit:
         return ""

@@ -15,6 +15,15 @@ from stiction.mechanics.model import PROFILE_WIDTH
 MAX_ELASTIC_PRESSURE_RATIO = 0.5
 """Mean pressure, as a fraction of the hardness, up to which contacts count as elastic."""
 
+HARDNESS_TO_YIELD_RATIO = 2.84
+"""Ratio of hardness to yield strength in the contact law of Jackson and Green."""
+
+BALL_YIELD_PRESSURE_RATIO = round(1.1 / HARDNESS_TO_YIELD_RATIO, 2)
+"""Ratio of mean pressure to hardness at which a ball starts to yield: 1.1 yield strengths (Johnson 1985, chapter 6).
+
+The ratio is rounded to two digits, like the factor 1.1.
+"""
+
 MIN_SIZE_EFFECT_LENGTH, MAX_SIZE_EFFECT_LENGTH = 0.1, 2.0
 """Range (µm) of the length h* of the indentation size effect of metals: H = H0 sqrt(1 + h*/h) at the depth h.
 
@@ -26,6 +35,11 @@ CENTRAL_SIZE_EFFECT_LENGTH = (MIN_SIZE_EFFECT_LENGTH * MAX_SIZE_EFFECT_LENGTH) *
 
 INDENTATION_AREA_RATIO = 24.5
 """Ratio of the projected area of a Vickers or Berkovich indentation to its squared depth."""
+
+
+def ball_yield_pressure(hardness: float) -> float:
+    """Return the mean pressure (GPa) at which a ball starts to yield, or NaN for an unknown hardness (GPa) of NaN."""
+    return BALL_YIELD_PRESSURE_RATIO * hardness
 
 
 def size_effect_factor(length: ArrayLike, depth: ArrayLike, indent: ArrayLike = np.inf) -> Floats:

@@ -26,6 +26,7 @@ from stiction._text import MAX_WORD_LENGTH
 from stiction._units import Quantity, exact_quantity_text, quantity_in_core_units, short_repr
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE
 from stiction.mechanics.half_space_problem import min_resolved_adhesion_range
+from stiction.mechanics.hardness import HARDNESS_TO_YIELD_RATIO
 from stiction.mechanics.law import JacksonGreen
 from stiction.mechanics.materials import SLIP_LINE_KINDS, Material, material, softest_material
 from stiction.mechanics.model import PROFILE_WIDTH
@@ -79,8 +80,6 @@ DEFAULT_NUM_POSITIONS = 64
 NUM_ADHESION_LOADS = 4
 ZERO_LOAD_REPLACEMENT_FRACTION = 1e-3
 DEFAULT_CONTACT_LAW = "hertz-sphere"
-# Ratio of hardness to yield strength in the contact law of Jackson and Green.
-HARDNESS_TO_YIELD_RATIO = 2.84
 
 GAP_REMARK = (
     "A gap map does not contain the slopes of the two faces. Each face is assumed to have half of the slopes. "

@@ -16,14 +16,9 @@ from stiction._number_format import format_load, format_percent, format_with_uni
 from stiction._repr import render_png
 from stiction.calibration.fit import MIN_AREA_VARIATION
 from stiction.calibration.friction_tests import find_pair_hardness
-from stiction.calibration.planning import (
-    BALL_YIELD_PRESSURE_RATIO,
-    PlanConditions,
-    PlannedTests,
-    find_plan_conditions,
-    plan_tests,
-)
+from stiction.calibration.planning import PlanConditions, PlannedTests, find_plan_conditions, plan_tests
 from stiction.calibration.prediction import Interface
+from stiction.mechanics.hardness import BALL_YIELD_PRESSURE_RATIO
 from stiction.study.inputs import Inputs
 from stiction.study.interfaces import (
     ERROR_SCALING_P_VALUE_LIMIT,
