@@ -41,6 +41,11 @@ These are tangent stiffnesses under the conditions of `EVIDENCE_OF_MODEL_ERROR`,
 other joint has been compared.
 """
 EVIDENCE_OF_MODEL_ERROR = "two mated rock fractures of 86 mm at 1 to 9.8 MPa; unknown for other faces and pressures"
+MODEL_ERROR_TEXT = (
+    f"{STIFFNESS_OVER_MEASURED_STIFFNESS[0]} to {STIFFNESS_OVER_MEASURED_STIFFNESS[1]} times the measured stiffness "
+    f"({EVIDENCE_OF_MODEL_ERROR})"
+)
+"""Phrase on the error of the model: computed stiffness of closure, compared with measured stiffness."""
 MAX_LOAD_ROUND_OFF = 1e-9
 MIN_PREDICTION_POSITIONS = 3
 # The materials of two bodies count as similar below this value of Dundurs' second constant β.
@@ -56,12 +61,15 @@ JOINT_QUANTITIES = (
 )  # fmt: skip
 """Names of the quantities besides friction in a joint table."""
 
+FRICTION_PERCENTILES_BY_NAME = {f"friction_{percentile:g}": percentile for percentile in FRICTION_PERCENTILES.tolist()}
+"""Percentiles of the coefficients that single tests would measure, by their names in a joint table."""
+
 JOINT_TITLES = {
     "nominal_pressure": "nominal pressure", "closure": "closure", "closure_stiffness": "stiffness of closure",
     "unloading_closure_stiffness": "stiffness of closure while unloading",
     "tangential_stiffness_per_area": "tangential stiffness", "contact_area_fraction": "true area over nominal area",
     "friction_combined": "mu_s",
-    **{f"friction_{percentile:g}": f"mu_s {percentile:g} %" for percentile in FRICTION_PERCENTILES},
+    **{name: f"mu_s {percentile:g} %" for name, percentile in FRICTION_PERCENTILES_BY_NAME.items()},
 }  # fmt: skip
 """Column titles of a joint table. Stiffnesses are per nominal area."""
 
@@ -329,10 +337,10 @@ def _read_row(point: xarray.Dataset, pressure: float) -> dict[str, Estimate]:
         kind = estimate.kind if estimate.has_interval else ""
         is_missing = math.isnan(estimate.value)
         estimates[name] = replace(estimate, kind=kind, status="not-computed" if is_missing else "ok")
-    for percentile in FRICTION_PERCENTILES.tolist():
+    for name, percentile in FRICTION_PERCENTILES_BY_NAME.items():
         has_percentiles = "friction_percentiles" in point
         value = float(point["friction_percentiles"].sel(percentile=percentile)) if has_percentiles else math.nan
-        estimates[f"friction_{percentile:g}"] = Estimate(
+        estimates[name] = Estimate(
             value, name="friction_percentiles", kind="prediction", status="no-prediction" if math.isnan(value) else "ok"
         )
     return estimates
@@ -349,9 +357,8 @@ def describe_closure_start(start_pressure: Estimate) -> str:
 
 
 MODEL_ERROR_NOTE = (
-    "The intervals do not include the error of the model: the computed stiffness of closure is {} to {} times the "
-    f"measured stiffness ({EVIDENCE_OF_MODEL_ERROR})."
-).format(*STIFFNESS_OVER_MEASURED_STIFFNESS)
+    f"The intervals do not include the error of the model: the computed stiffness of closure is {MODEL_ERROR_TEXT}."
+)
 """Sentence on the error of the model, in every file with closures and stiffnesses of a joint."""
 
 FIRST_CONTACT_NOTE = (

@@ -95,10 +95,13 @@ CARD_FORMATS: dict[str, tuple[str, Callable[[JointTable, str], str]]] = {
 """Input cards of other programs: name of the program and function that writes the card, by file name extension."""
 
 JOINT_TABLE_FORMATS: dict[str, tuple[str, Callable[[Sequence[JointTable], Sequence[str]], str]]] = {
-    ".csv": ("a table", joint_csv),
+    ".csv": ("a table", lambda tables, _: joint_csv(tables)),
     ".json": ("a table", joint_json),
 }
-"""Formats of joint tables: description and function that writes tables for several mu0 and tau0, by extension."""
+"""Formats of joint tables, by extension: description, and function that formats tables for several mu0 and tau0.
+
+The arguments of the function are the tables and, for each table, a sentence on the pair.
+"""
 
 JOINT_FORMAT_DESCRIPTIONS = {
     extension: description for extension, (description, _) in (JOINT_TABLE_FORMATS | CARD_FORMATS).items()

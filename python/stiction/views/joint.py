@@ -14,7 +14,9 @@ from stiction._number_format import format_with_unit
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.summary.joint_table import (
     EVIDENCE_OF_MODEL_ERROR,
+    FRICTION_PERCENTILES_BY_NAME,
     JOINT_TITLES,
+    MODEL_ERROR_TEXT,
     STIFFNESS_OVER_MEASURED_STIFFNESS,
     describe_negative_closures,
 )
@@ -35,9 +37,7 @@ _ASCII_REPLACEMENTS = {
 
 
 MODEL_ERROR_COLUMNS = {
-    "stiffness of closure: model error (not in the interval)": (
-        "{} to {} times the measured stiffness ({})".format(*STIFFNESS_OVER_MEASURED_STIFFNESS, EVIDENCE_OF_MODEL_ERROR)
-    ),
+    "stiffness of closure: model error (not in the interval)": MODEL_ERROR_TEXT,
     "tangential stiffness: model error (not in the interval)": "not validated",
 }
 """Cells of a table that are the same in all rows: the model errors, which no interval contains."""
@@ -97,17 +97,16 @@ def _single_joint_frame(table: JointTable) -> pandas.DataFrame:
     return pandas.DataFrame(columns)
 
 
-def joint_csv(tables: Sequence[JointTable], sources: Sequence[str]) -> str:
-    """Return the rows of joint tables as CSV, without the notes of the tables.
-
-    `sources`, descriptions of the pair, are not used.
-    """
-    del sources
+def joint_csv(tables: Sequence[JointTable]) -> str:
+    """Return the rows of joint tables as CSV, without the notes of the tables."""
     return frame_to_csv(joint_frame(tables))
 
 
 def joint_json(tables: Sequence[JointTable], sources: Sequence[str]) -> str:
-    """Return joint tables for one or more mu0 and tau0 as JSON, each with its notes and a sentence on the pair."""
+    """Return joint tables for one or more mu0 and tau0 as JSON, with their notes.
+
+    `sources` contains one sentence on the pair for each table.
+    """
     estimate_records, assessments = [], []
     for table in tables:
         for row in table.rows:
@@ -117,8 +116,8 @@ def joint_json(tables: Sequence[JointTable], sources: Sequence[str]) -> str:
             for name, estimate in row.estimates.items():
                 depends_on_rule = estimate.name in QUANTITIES and "sliding" in QUANTITIES[estimate.name].along
                 coordinates = at | ({"sliding": table.sliding} if depends_on_rule else {})
-                if estimate.name == "friction_percentiles":
-                    coordinates["percentile"] = float(name[9:])
+                if name in FRICTION_PERCENTILES_BY_NAME:
+                    coordinates["percentile"] = FRICTION_PERCENTILES_BY_NAME[name]
                 estimate_records.append(estimate.to_record(coordinates))
     table = tables[0]
     units = {"length": table.units.length, "force": table.units.force, "pressure": table.units.pressure}
