@@ -1,9 +1,23 @@
-"""Exceptions for invalid arguments, and for solvers that find no solution."""
+"""Exceptions for invalid arguments and for solvers that find no solution; message about an unfit compiled core."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Any
+
+UNFIT_CORE_MESSAGE = (
+    "the compiled part of stiction (_core) does not fit its Python files: build it again with ./dev setup or "
+    "pip install ."
+)
+
+
+def is_caused_by_unfit_core(text: str) -> bool:
+    """Return whether the text of an error is about a missing name of the compiled core.
+
+    Only the text is reliable, because an error from a worker process lacks the attributes that name the module.
+    """
+    return re.search(r"'stiction\._core['.]", text) is not None
 
 
 class _PlaceholderValues(dict[str, Any]):

@@ -25,7 +25,7 @@ pytest.importorskip("starlette", reason="the extra app is not installed")
 from app.server_process import start_server, wait_until, write_maps
 from stiction import Study, Surface, flipped, interface, run, self_affine_surface, write_interface, write_surface
 from stiction.app import jobs, server
-from stiction.app.jobs import JobQueue, run_module
+from stiction.app.jobs import JobQueue, RejectedRequestError, run_module
 from stiction.app.server import MAX_CONCURRENT_REQUESTS
 
 SMALL_ENSEMBLE = {"ensemble.repetitions": 2, "surfaces.points": 3000}
@@ -625,6 +625,16 @@ def test_cancelled_task_ends_only_after_its_subprocess_has_ended(monkeypatch):
         assert processes[0].returncode is not None
 
     asyncio.run(run_job())
+
+
+@pytest.mark.parametrize(
+    "statement",
+    ["from stiction._core import missing_name", "from stiction import _core; _core.missing_name()"],
+    ids=["import", "call"],
+)
+def test_module_of_the_app_reports_a_compiled_core_that_does_not_fit_the_python_files(statement):
+    with pytest.raises(RejectedRequestError, match=r"^the compiled part of stiction \(_core\) does not fit .* build"):
+        asyncio.run(run_module(["timeit", "--number=1", statement], memory=0.5))
 
 
 def test_profile_preview_rejects_studies_of_measured_surfaces(app):

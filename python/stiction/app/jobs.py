@@ -23,6 +23,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from stiction._errors import UNFIT_CORE_MESSAGE, is_caused_by_unfit_core
 from stiction._estimate import Estimate
 from stiction.app.form import find_first_option_name, replace_option_names, replace_option_names_in_caveats
 from stiction.solve.executors import PROGRESS_PREFIX
@@ -453,4 +454,6 @@ def _failure_message(status: int, error_output: str) -> str:
         return f"the system ended the command ({signal.Signals(-status).name}); memory may be insufficient"
     lines = [line.removeprefix("stiction: ") for line in error_output.splitlines()]
     messages = [line for line in lines if not line.startswith(("warning: ", PROGRESS_PREFIX, "try stiction "))]
+    if messages and is_caused_by_unfit_core(messages[-1]):
+        return UNFIT_CORE_MESSAGE
     return "\n".join(messages[-3:]) or "the command ended without a message"

@@ -23,7 +23,7 @@ from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
 from stiction._core import __version__, build
-from stiction._errors import ArgumentError
+from stiction._errors import UNFIT_CORE_MESSAGE, ArgumentError, is_caused_by_unfit_core
 from stiction._files import describe_os_error
 from stiction._text import MAX_QUOTED_LINE_LENGTH, printable_path, printable_text
 from stiction.cli.exit_status import EXIT_BAD_INPUT, EXIT_INTERRUPTED, exit_on_interrupt
@@ -136,11 +136,6 @@ COMMANDS_BY_GROUP: dict[str, dict[str, tuple[str, str]]] = {
     "Contact laws": {"table": ("table", "Tabulate friction, area and stiffness for another code.")},
 }
 """Module and help line of each command, by group, so that the help text needs no import of the modules."""
-
-UNFIT_CORE_MESSAGE = (
-    "the compiled part of stiction (_core) does not fit its Python files: build it again with ./dev setup or "
-    "pip install ."
-)
 
 EXIT_STATUS_HELP = (
     f"Exit status: 0 success, {EXIT_BAD_INPUT} bad input (with one message), {EXIT_INTERRUPTED} interrupted."
@@ -328,8 +323,7 @@ def run_command_line() -> int:
     except ArgumentError as error:
         print_message(error.translated_message(_option_name))
     except (AttributeError, ImportError) as error:
-        # An error from a worker process has no attribute `obj`, so the module is recognized by the error's text.
-        is_core_unfit = re.search(r"'stiction\._core['.]", str(error)) is not None
+        is_core_unfit = is_caused_by_unfit_core(str(error))
         if isinstance(error, AttributeError) and not is_core_unfit:
             raise
         print_message(UNFIT_CORE_MESSAGE if is_core_unfit else str(error) or type(error).__name__)
