@@ -220,6 +220,12 @@ def test_at_command_marks_the_value_to_which_the_range_of_the_study_applies(resu
         (("nowhere", "--load", "1 mN"), ["nowhere: no such directory"]),
         (("maps", "--mu0", "0.1..0.2"), ["--mu0 must be one or more numbers without ranges, got '0.1..0.2'"]),
         (("lines", "--tau0", "5±1 MPa"), ["""stiction run lines --set 'friction.tau0="5±1 MPa"'"""]),
+        (
+            ("maps", "--tau0", "5 MPa,0..4 MPa"),
+            ["--tau0 must be one or more numbers without ranges, got '5 MPa,0..4 MPa'"],
+        ),
+        (("maps", "--tau0", "5 MPa,0..4 MPa"), ["""stiction run maps --set 'friction.tau0="0..4 MPa"'"""]),
+        (("maps", "--mu0", "0,1..2,5"), ["--mu0 must not have a comma between digits, got '0,1..2,5'"]),
     ],
 )
 def test_error_of_the_at_command_names_the_rejected_option(results_directory, arguments, expected_words):

@@ -161,18 +161,18 @@ def at(
 
 
 def _reject_range(name: str, text: str | None, directory: Path, study: Study) -> None:
-    """Raise an `ArgumentError` if the text for mu0 or tau0 is a range or contains an uncertainty.
+    """Raise an `ArgumentError` if the text for mu0 or tau0 is, or lists, a range or a number with an uncertainty.
 
-    For measured bodies, the message contains the command that accepts the text. If a friction law defines mu0 and
-    tau0 of the study, it recommends another law instead, because the command would replace the law.
+    For measured bodies, the message contains the command that accepts the first such range. If a friction law defines
+    mu0 and tau0 of the study, it recommends another law instead, because the command would replace the law.
     """
-    from stiction.study.input_distributions import parse_study_input
+    from stiction._arguments import reject_decimal_commas, split_values
 
-    try:
-        if text is None or parse_study_input(name, text).is_exact:
-            return
-    except ValueError:
-        # The text is not a range: it is a list of numbers, or it is invalid, which the caller reports.
+    if text is None:
+        return
+    reject_decimal_commas(name, text)
+    range_texts = [item for item in split_values(text) if _is_range(name, item)]
+    if not range_texts:
         return
     message = f"{{{name}}} must be one or more numbers without ranges, got {{got}}"
     if (law := study.friction.interface) is not None:
@@ -185,7 +185,17 @@ def _reject_range(name: str, text: str | None, directory: Path, study: Study) ->
     fields = {
         "directory": shlex.quote(printable_path(directory)), "law": printable_path("" if law is None else law.file)
     }  # fmt: skip
-    raise ArgumentError(message, got=repr(text), text=printable_text(text), **fields)
+    raise ArgumentError(message, got=repr(text), text=printable_text(range_texts[0]), **fields)
+
+
+def _is_range(name: str, text: str) -> bool:
+    """Return whether the text for mu0 or tau0 is a range or has an uncertainty; False if the text is invalid."""
+    from stiction.study.input_distributions import parse_study_input
+
+    try:
+        return not parse_study_input(name, text).is_exact
+    except ValueError:
+        return False
 
 
 def _print_height_factor_results(
