@@ -8,7 +8,7 @@
 // The following rules make the result independent of rotating, mirroring, swapping or shifting the pair of maps:
 // - A level valley or plateau of the gap (see `level_fraction`) has no single lowest point, so it is not a contact.
 // - A grid point on a level plateau counts as a grid minimum of the gap, although the spline has no minimum there.
-// - A surface counts as a summit at a point where it is flat in one or both directions, but not concave.
+// - A point of a surface counts as a summit if the surface is flat there in one or both directions, but not concave.
 // - A contact whose slope along the motion is zero does not oppose the motion.
 #pragma once
 
@@ -79,7 +79,7 @@ inline constexpr double round_off_fraction = 0x1p-46;
 inline constexpr double level_fraction = 0x1p-26;
 
 /// Find all contact candidates with a gap of at most `deepest` (>= 0) [µm].
-/// The curvature rule `convex` requires that both surfaces are summits; `signed_` requires only a minimum of the gap.
+/// The curvature rule `convex` requires a summit of both surfaces; `signed_` requires only a minimum of the gap.
 /// Throws std::invalid_argument unless the maps have equal shapes (>= 4 by 4), finite heights, and a gap that varies.
 ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature curvature,
                            const CancellationCheck& check_cancellation = {});

@@ -44,9 +44,7 @@ class Workspace {
 
 /// Displacement [µm] of a half-space with effective modulus E* [GPa] > 0 due to pressures [GPa] on a grid.
 ///
-/// On a periodic grid, the Fourier component with the wavenumber k is multiplied by 2/(E*
-/// k
-/// ), or by 0 if k = 0.
+/// On a periodic grid, the Fourier component with the wavenumber k is multiplied by 2/(E*|k|), or by 0 if k = 0.
 /// On a free grid, the displacements of uniformly loaded cells are superposed on a grid of twice the size.
 /// Sources: Love 1929; Johnson, Contact Mechanics (1985), eq. 3.25.
 /// The approximate inverse E*|k|/2 is periodic even on a free grid, where it serves only as a preconditioner.
@@ -68,22 +66,16 @@ class ElasticKernel {
   void displacement(std::span<const float> pressure, std::span<float> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool(), std::span<const std::size_t> rows = {}) const;
 
-  /// Multiply each Fourier component of `values` by E*
-  /// k
-  /// /2, the stiffness of a half-space at the wavenumber k.
+  /// Multiply each Fourier component of `values` by E*|k|/2, the stiffness of a half-space at the wavenumber k.
   void apply_stiffness(std::span<const float> values, std::span<float> result, Workspace& workspace,
                        const ThreadPool& pool = ThreadPool()) const;
 
-  /// Multiply each Fourier component of `loads` by 1/(E*
-  /// k
-  /// /2 + foundation), where k is its wavenumber.
+  /// Multiply each Fourier component of `loads` by 1/(E*|k|/2 + foundation), where k is its wavenumber.
   /// `foundation` [GPa/µm] > 0 is the stiffness of a uniform elastic foundation.
   void apply_foundation_compliance(std::span<const float> loads, double foundation, std::span<float> result,
                                    Workspace& workspace, const ThreadPool& pool = ThreadPool()) const;
 
-  /// Return, row by row, the nine weights of a 3 x 3 stencil that approximates the stiffness E*
-  /// k
-  /// /2 on an area.
+  /// Return, row by row, the nine weights of a 3 x 3 stencil that approximates the stiffness E*|k|/2 on an area.
   /// The weight of the central point is chosen so that the sum of all nine weights is a small positive number.
   const std::array<double, 9>& stencil() const { return stencil_; }
 

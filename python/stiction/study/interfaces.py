@@ -62,7 +62,6 @@ EXCLUSION_P_VALUE_LIMIT, ERROR_SCALING_P_VALUE_LIMIT = 0.01, 0.05
 Below the first limit, the tests exclude the sliding rule. Below the second limit, the errors of the tests are scaled.
 """
 
-# Probability that the interval of mu0 or tau0 contains the true number.
 INTERVAL_COVERAGE = 0.95
 
 DENSITY_WINDOW_AT_BOUND, MAX_DENSITY_WINDOW = 0.05, 0.2
@@ -160,7 +159,7 @@ class StrengthFit:
     # Normal scores of uncertain inputs and area errors, keyed by `shared_input_name` or `area_error_name`.
     # A pair that shares an input with the tests uses the normal scores of this input.
     scores: Mapping[str, Floats] = field(default_factory=dict)
-    # Fits with mu0 or tau0 fixed at 0, keyed by the name of the fixed parameter, unless the tests exclude 0.
+    # Fits with mu0 = 0 or tau0 = 0, keyed by the name of the fixed parameter, unless the tests exclude the value 0.
     fits_at_bounds: Mapping[str, StrengthFit] = field(default_factory=dict)
     # True area per load A/F (1/GPa) of each test; empty for a published interface or an interface from a file.
     area_per_load_of_tests: Floats = field(default_factory=lambda: np.empty(0))

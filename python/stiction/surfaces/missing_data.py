@@ -27,7 +27,7 @@ _MIN_OUTLIER_TO_MEDIAN_DEVIATION_RATIO = MIN_OUTLIER_SIGMAS * 1.4826
 # Maximum number of adjacent points that count as outliers: a larger group is a feature of the surface.
 MAX_OUTLIER_GROUP_SIZE = 4
 
-# Median deviation, in rounding steps, of rounded heights from their neighbours' mean; from a line: 0.21 to 0.33.
+# Median deviation of rounded heights, in steps, from the mean of neighbours (from a line through them: 0.21 to 0.33).
 _MEDIAN_ROUNDING_DEVIATION = 0.25
 _FORM_ROUND_OFF_FRACTION = 1e-10
 _MAX_FLAT_FRACTION = 0.25

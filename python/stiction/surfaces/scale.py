@@ -55,7 +55,7 @@ INSTRUMENT_REASONS = ("noise floor", "quantisation")
 _MAX_EQUAL_NOISE_RATIO = 2.0
 # Minimum ratio of a spectrum's density to that of the noise it hides; random scatter can make it smaller than 1.
 _MIN_HIDING_DENSITY_RATIO = 0.8
-# Minimum number of independent lines: with fewer, neighbouring lines share noise (row offsets), which is not hidden.
+# Minimum number of independent lines. With fewer, the spectrum across the lines does not hide noise that they share.
 _MIN_INDEPENDENT_LINES = 8.0
 _MIN_EXTRAPOLATION_RATIO = 1e-6
 _NUM_BISECTION_STEPS = 60

@@ -56,7 +56,7 @@ MAX_RELATIVE_STEP_DEVIATION = 0.5
 MIN_TILT_CORRELATION = 0.98
 # The first number of a column gets a caveat if it has fewer decimals than each of this many numbers below it.
 MIN_COMPARED_NUMBERS = 20
-# Minimum step (last printed digits) of evenly spaced numbers. Smaller steps of rounded heights may be equal by chance.
+# Minimum step of evenly spaced numbers, in units of the last digit. Smaller rounded steps may be equal by chance.
 MIN_STEP_IN_LAST_DIGITS = 3.0
 NameOrIndex = str | int
 
