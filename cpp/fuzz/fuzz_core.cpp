@@ -109,7 +109,7 @@ void fuzz_contact(Source& source) {
             "no more contacts than points");
     require(!(sums[k].contact_area < 0.0), "no negative area");
     const std::vector<stiction::Contact> table = stiction::contacts(pair, approaches[k], model);
-    // Candidates of `contacts` have gaps up to `approaches[k]`, those of `press` gaps up to the largest approach.
+    // `contacts` visits candidates with gaps up to `approaches[k]`, `press` those with gaps up to the largest approach.
     require(static_cast<stiction::Index>(table.size()) == sums[k].contact_count, "contacts and press agree");
     for (const stiction::Contact& contact : table) {
       require(contact.overlap > 0.0 && contact.radii.minor > 0.0, "contacts overlap and are convex together");

@@ -107,7 +107,7 @@ void mark_grid_minima(const double* above, const double* at, const double* below
   }
 }
 
-// Range of cells of a map, and the surrounding points that influence the spline there. A tile fits into the cache.
+// A tile, which fits into the cache, is a range of map cells with the surrounding points that influence their spline.
 struct Tile {
   CellRange cells;
   Index row;  // (row, column) is the position of the tile's first point in the map

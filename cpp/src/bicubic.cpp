@@ -80,7 +80,7 @@ std::vector<double> pivots(Index points) {
   return result;
 }
 
-// Unknowns of all lines at one point are contiguous, and unknowns at successive points `stride` elements apart.
+// The unknowns of all lines at one point are contiguous. Those of successive points are `stride` elements apart.
 STICTION_MULTIVERSION
 void solve_columns(double* values, Index points, Index lines, Index stride, const double* pivot) {
   for (Index i = 1; i + 1 < points; ++i) {

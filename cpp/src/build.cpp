@@ -12,7 +12,7 @@ STICTION_INLINE void simd_width_kernel(std::size_t& width) {
   width = Width;
 }
 
-// The loader selects the versions of all functions by one rule, so `simd_width` has the SIMD width of the hot loops.
+// The loader selects all function versions by one rule, so `simd_width` reports the SIMD width of the hot loops.
 STICTION_KERNEL(simd_width, (std::size_t& width), (width))
 
 std::string instruction_set() {

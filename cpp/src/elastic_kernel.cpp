@@ -460,7 +460,7 @@ std::vector<double> stiffness(const TransformShape& shape, const Grid& grid, dou
   return factors;
 }
 
-// Displacement [µm] of the origin due to 1 GPa on the segment (0, x) of a line, or on (0, x) by (0, y) of an area.
+// Displacement [µm] of the origin due to 1 GPa on the segment (0, x) of a line, or on the rectangle (0, x) by (0, y).
 double corner_integral(double x, double effective_modulus) {
   // Integral of -2/(π E*) ln|x|. Another unit of length would shift all displacements by the same amount.
   return -2 / (pi * effective_modulus) * x * (std::log(std::abs(x)) - 1.0);

@@ -41,7 +41,7 @@ double log_slope(double k, double ratio) {
   const double e2 = (1.0 - k) * (1.0 + k);
   const double complement = 1.0 - ratio;
   if (e2 < 1e-4) {
-    // As e -> 0, the slope tends to 1.5. An error of about e² hardly changes the number of Newton iterations.
+    // As the eccentricity e -> 0, the derivative tends to 1.5. Its error of about e² hardly slows Newton's method.
     return 1.5;
   }
   return 2.0 + ((k * k * ratio - complement) / e2 + ratio * complement) / (ratio * complement);

@@ -38,7 +38,7 @@ constexpr std::int64_t max_coarse_iterations = 100;
 constexpr int max_exact_evaluations = 20;
 // Relative tolerance of displacements that should be equal. The compliance then has a relative error of about 1e-7.
 constexpr double compliance_tolerance = 1e-3;
-// This factor reduces `compliance_tolerance` on free lines, where errors of the compliance are not of second order.
+// On free lines, errors of the compliance are not of second order, so this factor reduces `compliance_tolerance`.
 constexpr double difference_tolerance = 0.03;
 // Up to this number of contact points, solving with a dense matrix is faster than with transforms of the grid.
 constexpr std::size_t max_dense_points = 1024;
@@ -638,7 +638,7 @@ HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, con
                                                const HalfSpaceProgress& progress) const {
   const Grid& grid = grids_->levels()[0];
   const double full_contact = grid.periodic ? mean_value(gap_) : std::numeric_limits<double>::infinity();
-  // The mean pressure of rough surfaces is at most E* approach / length, the value for a contact as large as the grid.
+  // The mean pressure of rough surfaces is at most about E* approach / length, as for a contact as large as the grid.
   const double along_x = grid.spacing_x * static_cast<double>(grid.columns);
   const double length = grid.line ? along_x : std::max(along_x, grid.spacing_y * static_cast<double>(grid.rows));
   double pressure = near.empty() ? 0.1 * grids_->effective_modulus() * approach / length : mean_value(near);

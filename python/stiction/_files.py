@@ -25,7 +25,7 @@ The name contains the machine, the process id, the run and a random number.
 
 # Age (s) above which a partial file from another machine counts as abandoned.
 MAX_PARTIAL_FILE_AGE = 3600.0
-# Interval (s) at which a process renews the file that claims a directory: a few failed renewals do no harm.
+# Interval (s) between renewals of the file that claims a directory. A claim expires only after several missed renewals.
 CLAIM_REFRESH_INTERVAL = 300.0
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
 # A random token identifies this process, because the operating system reuses process numbers.

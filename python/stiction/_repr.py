@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 NOTEBOOK_IMAGE_DPI = 110  # dots per inch
 NOTEBOOK_IMAGE_SIZE = (4.6, 3.2)  # inches
-# Figures up to this width (inches) are shown in a notebook at a higher resolution.
+# In a notebook, figures up to this width (inches) have a higher resolution than wider figures.
 MAX_ONE_COLUMN_WIDTH = 4.0
 # Level 4 of zlib takes half the time of level 6, and makes images of maps 10 % larger.
 PNG_COMPRESSION = 4

@@ -242,7 +242,7 @@ def shear_test(
         return _compute_shear_tests(setup, SolutionRecord(), progress).assign_attrs(attributes)
     test_directory, description = parse_path("directory", directory), _describe_inputs(setup)
     key = hashlib.sha256(description.encode()).hexdigest()[:16]
-    # The key contains `variations`, the limits of inputs in repeated tests, because they depend on the input samples.
+    # The key of stored steps contains `variations`: the input limits of repeated tests depend on the input samples.
     steps_key = compute_steps_key(description + repr(setup.variations), _STEP_MODULES)
     if (test := _open_stored_test(test_directory, key, replace=replace)) is not None:
         return test

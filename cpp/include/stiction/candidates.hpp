@@ -15,8 +15,8 @@
 
 namespace stiction {
 
-/// With the detection method `cell`, a grid point is in contact if the contact centre is within half a spacing (Eq. 5).
-/// With `gap_minimum`, each local minimum of the spline of the gap is one candidate, equal at all approaches.
+/// With the detection method `cell`, a contact centre must lie within half a grid spacing of its grid point (Eq. 5).
+/// With `gap_minimum`, candidates are local minima of the spline of the gap, and are the same at all approaches.
 enum class Detection { cell, gap_minimum };
 
 /// Return the detection method named "cell" or "gap-minimum", or the curvature rule named "convex" or "signed".

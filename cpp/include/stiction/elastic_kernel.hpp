@@ -112,7 +112,7 @@ class StiffnessKernel {
   void displacement(Values pressures, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 
-  /// Compute displacements [µm] from pressures. Uniform pressure gets the largest compliance of all wavelengths.
+  /// Compute displacements [µm] from pressures. The compliance at wavenumber 0 is set to the largest compliance.
   void precondition(std::span<const float> pressures, std::span<float> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 

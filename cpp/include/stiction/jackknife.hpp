@@ -33,8 +33,8 @@ struct CurvePoints {
 inline constexpr Index jackknife_sum_rows = 10;
 
 /// Write power sums and minima over the repetitions to `sums`, which has the shape (`jackknife_sum_rows`, points).
-/// Rows 0 to 3 contain the sums of c, c², c³ and c⁴. Leaving out a repetition changes ln(mean value) by c.
-/// Rows 4 to 7 contain the sums of d, d², d³ and d⁴. Leaving out a repetition changes the mean value by d = dv - s dn.
+/// Rows 0 to 3 contain the sums of c, c², c³ and c⁴. Leaving out a repetition changes ln(mean value at load F) by c.
+/// Rows 4 to 7 contain the sums of d, d², d³ and d⁴. Leaving out a repetition changes the mean value at load F by d.
 /// Rows 8 and 9 contain the smallest relative change of the mean value (dv / mean(v)) and of the mean load (dn / F).
 /// Values and loads are interpolated between steps. The mean is taken over `total_repetitions` (R) repetitions.
 void jackknife_sums(const CurvePoints& points, const CurveView& loads, const CurveView& values, Index repetitions,

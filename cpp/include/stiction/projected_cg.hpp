@@ -20,7 +20,7 @@ namespace stiction {
 /// The caller computes products of vectors with K, and with a preconditioner M that approximates the inverse of K.
 /// `potential` is K p + g0, so the gap at approach δ is potential - δ.
 /// A point is free if its pressure lies strictly between 0 and its bound.
-/// A point at 0 or at its bound is also free if its gap drives the pressure into the range between these limits.
+/// A point whose pressure is 0 or at its bound is also free if its gap drives the pressure away from this limit.
 /// After `restart(potential)`, each iteration consists of the following calls, where a step changes the pressures:
 ///
 /// update_free_points()  ->  residual()  ->  step(M residual, K previous step)  ->  advance(K step)

@@ -46,7 +46,7 @@ MIN_AREA_VARIATION = 0.1
 # A nuisance point is a joint random sample of all nuisance parameters: the uncertain ones other than mu0 and tau0.
 NUM_NUISANCE_POINTS_PER_ROUND = 256
 MAX_NUISANCE_POINTS = 8192
-# Final number of nuisance points if there are no nuisance parameters, and its limit. Each parameter doubles the number.
+# The final number of nuisance points is the first number, doubled for each nuisance parameter, up to the second.
 FINAL_NUISANCE_POINT_COUNTS = 256, 1024
 MAX_NORMAL_SCORE = 5.0  # standard deviations
 MAX_PROPOSAL_ROUNDS = 8
@@ -180,7 +180,7 @@ class CalibrationProblem:
         scores_by_name = dict(zip(self.nuisances, np.clip(scores, -MAX_NORMAL_SCORE, MAX_NORMAL_SCORE).T, strict=True))
         shape = len(scores), *(1 for _ in grid_shape)
         probability = {name: ndtr(values).reshape(shape) for name, values in scores_by_name.items()}
-        # Equal test equations share an area factor, unless contacts grow under shear and measured coefficients differ.
+        # Tests share the area factor of their equation, unless the factor depends on measured coefficients that differ.
         cached_factors: dict[Hashable, Floats] = {}
 
         def area_factors_of_test(test: int) -> Floats:
@@ -206,7 +206,7 @@ class CalibrationProblem:
             if GAIN_PARAMETER_NAME in scores_by_name
             else np.ones((len(scores), 1))
         )
-        # The factor `gain` multiplies computed coefficients, because the given test errors refer to measured ones.
+        # The factor `gain` multiplies the computed coefficients: the given test errors belong to the measured ones.
         mu0_coefficient = gain * sums["tangential_frictional"] - self.measured * sums["normal_frictional"]
         tau0_coefficient = gain * sums["tangential_adhesive"] - self.measured * sums["normal_adhesive"]
         right_side = self.measured - gain * sums["tangential_elastic"]
@@ -365,7 +365,7 @@ class CalibrationProblem:
                 step_residuals = residuals_with_growth(
                     x + difference_step * np.concatenate([np.zeros((1, x.size)), np.eye(x.size)])
                 )
-                # Derivatives are set to 0 if a step makes the interface stronger than the softer body.
+                # A derivative is set to 0 if the step makes the interface stronger than the softer body.
                 test_rows = np.nan_to_num(
                     (step_residuals[1:] - step_residuals[0]).T / difference_step, posinf=0.0, neginf=0.0
                 )
@@ -980,7 +980,8 @@ def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: flo
     tau0_at_zero_mu0 = first_row[:, 2] / np.where(first_row[:, 1] == 0, 1e-300, first_row[:, 1])
 
     def deviance(tau0: Floats) -> Floats:
-        # `mu0` is the best mu0 times a positive factor. If it is negative, its square is the deviance due to mu0 = 0.
+        # `mu0` is the best mu0 at the given tau0, times a positive factor.
+        # Limiting mu0 to at least 0 adds `mu0`² to the deviance wherever `mu0` is negative.
         mu0 = first_row[:, 2] - first_row[:, 1] * tau0
         return np.asarray((second_row[:, 2] - second_row[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
 

@@ -63,7 +63,7 @@ def _redirect_closed_streams() -> None:
         try:
             os.fstat(number)
         except OSError:
-            # `os.fstat` fails for a closed standard stream. `os.open` then returns its number, the lowest free number.
+            # If a standard stream is closed, `os.fstat` fails, and `os.open` reuses its number, the lowest free one.
             null_device = os.open(os.devnull, os.O_RDWR)
             setattr(sys, name, os.fdopen(null_device, "w" if number else "r"))
 

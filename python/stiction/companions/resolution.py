@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from stiction.study.measured_bodies import ScanCutoffs
 
 CUTOFF_STUDY_DIRECTORY = "resolution"
-# Number of members of a cutoff study. Height maps get fewer members, because they take much longer to solve than lines.
+# Maximum number of members of a cutoff study: fewer for height maps, which take much longer to solve than lines.
 MAX_CUTOFF_STUDY_MAP_MEMBERS = 4
 MAX_CUTOFF_STUDY_LINE_MEMBERS = 16
 # Maximum number of cutoffs in a cutoff study; each cutoff above 0 is twice the next smaller one.
@@ -151,7 +151,7 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
 class ResolvedRoughness:
     """Roughness of the gap at the wavelengths that the scans resolve, with an extrapolation to shorter wavelengths."""
 
-    # Shortest resolved wavelength (µm): the cutoff or, if it is larger, two grid spacings.
+    # Shortest resolved wavelength (µm): the cutoff or two grid spacings, whichever is larger.
     shortest: float
     two_points: float  # two grid spacings, µm
     longest: float  # µm

@@ -442,7 +442,7 @@ def _iterate_intervals(
         )
     shape = tuple(at.sizes[dim] for dim in dims)
     all_inputs = replace(study_inputs, mu0=at["mu0"].values[:, np.newaxis], tau0=at["tau0"].values)
-    # Quantities for all mu0 and tau0 at the central values of all inputs, keyed by indices along the other dimensions.
+    # Quantities for central inputs, as arrays over mu0 and tau0, keyed by the indices along the other dimensions.
     central_values: dict[tuple[int, ...], Any] = {}
     for position in np.ndindex(*shape):
         indices = dict(zip(dims, position, strict=True))

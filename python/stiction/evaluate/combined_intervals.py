@@ -276,7 +276,7 @@ class CombinedIntervals:
         self.value, self.sampling = value, (lower, upper)
         # Lower and upper limit of the coefficient that finer scans could give, computed from the mean coefficient.
         self.finest: tuple[float, float] | None = None
-        # Coefficient limits for finer scans, the upper one computed from the upper limit of the mean's interval.
+        # Limits of the coefficient that finer scans could give; the upper one is computed from the mean's upper limit.
         self.bracket: tuple[float, float] | None = None
         is_nonadhesive_half_space = study.uses_half_space and not study.contact.adheres
         if study.contact.hardness is not None and is_nonadhesive_half_space and self.rule == "all":

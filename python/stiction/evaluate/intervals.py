@@ -57,13 +57,13 @@ class LoadCrossings:
     A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
     """
 
-    # Index of the first loading step at or above each load; shape (..., loads).
+    # Index of the first loading step whose load is at or above each requested load; shape (..., loads).
     index: NDArray[np.intp]
     # Position of each load between two loading steps, from 0 to 1; shape (..., loads).
     fraction: Floats
     reached: NDArray[np.bool_]
     below: NDArray[np.bool_]
-    # Loads of the load curves, and requested loads, if ratios of quantities to loads are interpolated; otherwise None.
+    # Loads of the curves and requested loads, stored only if ratios of quantities to the load are interpolated.
     scale: tuple[Floats, Floats] | None = None
 
     @classmethod
@@ -134,7 +134,7 @@ class LoadCrossings:
         values = np.broadcast_to(values, (*shape, values.shape[-1]))
         values_after = np.take_along_axis(values, index, axis=-1)
         values_before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
-        # NaN is expected one loading step before a reached step, and infinite stiffness at complete contact.
+        # NaN before a crossing, and an infinite stiffness at complete contact, are expected: they cause no warning.
         with np.errstate(invalid="ignore"):
             interpolated = np.where(
                 fraction == 1, values_after, values_before + fraction * (values_after - values_before)

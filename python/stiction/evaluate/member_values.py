@@ -383,7 +383,7 @@ def _compute_opposing_fraction(
         for rule in ("opposing", "all")
     )
     with np.errstate(divide="ignore", invalid="ignore"):
-        # To first order in the slopes, the denominator `total_load` is the load on all contacts.
+        # Tangential friction forces per unit mu0 equal the normal loads of contacts, to first order in the slopes.
         fraction = opposing_load / total_load
     return {"share_opposing": ((*member_dims, "direction", "load"), fraction, quantity_attributes("share_opposing"))}
 

@@ -41,7 +41,7 @@ from stiction.mechanics.half_space_problem import (
 )
 from stiction.mechanics.solution_record import SolutionRecord, StepResult
 
-# Number of iteration steps without extrapolation between two steps with extrapolation; the former damp oscillations.
+# Number of steps without extrapolation between two extrapolated steps; steps without extrapolation damp oscillations.
 NUM_UNACCELERATED_STEPS = 2
 MAX_EXTRAPOLATION_FACTOR = 10.0
 MAX_SOLVES_PER_LOAD = 2000
@@ -393,7 +393,8 @@ class AdhesionSolver:
             return states
         # No energy minimization starts from a state found at a given contact load, because this state may be unstable.
         states, stable_states = [*first_states, find_state_of_lowest_load(states)], list(first_states)
-        # Later external loads exceed -(mean attraction so far): contact loads are positive, and attraction decreases.
+        # The external load is the positive contact load minus the mean attraction, which decreases from state to state.
+        # External loads of later states therefore exceed -(mean attraction in the last of `first_states`).
         unsupported_load, is_certain = -first_states[-1].mean_attraction, True
         try:
             first_load = self._find_pull_off_load_on_coarser_grid(start)

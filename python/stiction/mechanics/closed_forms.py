@@ -498,7 +498,7 @@ def fuller_tabor(
     relative_pull_off = np.empty(relative_deviations.shape)
     for index in np.ndindex(relative_pull_off.shape):
         relative_deviation = float(relative_deviations[index])
-        # Contact radii are relative to the radius at zero load, heights to the stretch δ, and loads to 3/2 π w R.
+        # Units: contact radius at zero load for radii, stretch δ at separation for heights, and 3/2 π w R for loads.
         a = np.linspace(6 ** (-2 / 3), 1 + np.sqrt(3 + 3 * relative_deviation), 4000)
         force, height = 4 * (a**3 - a**1.5), (a**2 - np.sqrt(a) * 2 / 3) * 6 ** (4 / 3) / 3
 
@@ -687,7 +687,7 @@ def hertz_ellipse(
     )
     larger_radius, smaller_radius = np.maximum(r1, r2), np.minimum(r1, r2)
     ratio = smaller_radius / larger_radius
-    # Bisection finds the axis ratio k between `ratio` and 1, because R_D(0, k², 1)/R_D(0, 1, k²) < k increases with k.
+    # The axis ratio k solves R_D(0, k², 1)/R_D(0, 1, k²) = `ratio`. The left side increases with k, and is at most k.
     log_low, log_high = np.log(ratio), np.zeros(ratio.shape)
     for _ in range(_NUM_BISECTIONS):
         log_middle = 0.5 * (log_low + log_high)

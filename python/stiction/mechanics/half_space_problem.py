@@ -34,7 +34,7 @@ quarter of the time of solving a contact with free boundaries.
 
 TRIAL_TILT_TO_MEAN_DISPLACEMENT_RATIO = 0.01
 LINEAR_RESPONSE_TOLERANCE = 1e-7
-# Upper limit of pressures relative to their mean in a linear response, far above any computed pressure.
+# Bound on the pressures (GPa) in a linear response to a mean pressure of 1 GPa: far above any computed pressure.
 MAX_LINEAR_RESPONSE_PRESSURE = 1e9
 MAX_CELL_ASPECT_RATIO = 1e6
 
@@ -417,7 +417,7 @@ def make_problem(
     )
 
 
-# Minimum number of points in the process zone E* ρ²/w at the edge of an adhesive contact: fewer distort its solution.
+# Minimum number of points in the process zone E* ρ²/w at an adhesive contact's edge: fewer distort the solution.
 MIN_PROCESS_ZONE_POINTS = 2.0
 
 

@@ -26,9 +26,9 @@ from stiction.surfaces.surface import Surface
 
 # Smallest computed approach distance, as a fraction of the gap's range; a single contact then carries the load.
 _MIN_APPROACH_TO_GAP_RANGE = 1e-6
-# Ratio of successive approach distances. Two crossings of a requested load between two distances are missed.
+# Ratio of successive approach distances. A requested load that is exceeded only between two distances is missed.
 _SUCCESSIVE_APPROACH_RATIO = 1.1
-# Approach distances are computed in batches of this size until all loads are reached: larger ones take longer.
+# Number of approach distances per batch. Batches of larger distances, which take longer, are computed only if needed.
 _APPROACHES_PER_BATCH = 16
 _CANDIDATE_APPROACH_FACTOR = 5.0
 

@@ -196,7 +196,7 @@ class HalfSpaceTangentialProblem:
             problem.has_finite_approach,
         )
         self.shape, self.size = problem.gap.shape, problem.gap.size
-        # On a profile, tangential tractions act on lines perpendicular to the motion: their transverse fraction is 1.
+        # On a profile, all loads are lines across the motion, so the transverse fraction of tangential tractions is 1.
         transverse_fraction = 1.0 if len(self.shape) == 1 else 0.5
         self.ratio = float(compliance_ratio(poisson, problem.compliance_share, transverse_fraction))
         self.points: NDArray[Any] = contact_solution.points

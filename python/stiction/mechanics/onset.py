@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from stiction.mechanics.presliding import FourParameterIwan, LuGre
 
-# Fractions of the load or displacement at the onset of sliding: two tolerances, and a minimum load or displacement.
+# Fractions of the load or displacement at the onset of sliding: two tolerances, and the smallest accepted fraction.
 LOAD_TOLERANCE = 1e-9
 MIN_SLIDING_FRACTION = 1e-12
 DISPLACEMENT_TOLERANCE = 1e-7

@@ -77,7 +77,7 @@ class ResultQuantity:
     # False if the quantity is proportional to the load between bodies without adhesion, but not with adhesion.
     proportional_with_adhesion: bool = True
     weighted: bool = False
-    # Name of the quantity that gives the fraction of members for which only a lower bound of this quantity is known.
+    # Name of another quantity: the fraction of members for which only a lower bound of this quantity is known.
     bound_fraction: str = ""
     stored: frozenset[QuantitySource] = frozenset()
     # True if results of earlier versions lack the quantity, which is then read as NaN.

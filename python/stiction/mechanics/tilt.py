@@ -163,7 +163,7 @@ def find_rigid_tilt(problem: HalfSpaceProblem, total_pressure: float) -> Floats:
         planes.append([*-moments, 1.0])
         offsets.append(energy - float(moments @ slopes))
         solution = linprog([*np.zeros(len(arms)), -1.0], A_ub=planes, b_ub=offsets, bounds=slope_bounds)
-        # The optimum is computed again from the cutting planes that meet there: `linprog` has a coarse tolerance.
+        # The optimum is recomputed as the intersection of the nearest cutting planes: `linprog` has a coarse tolerance.
         vertex, active_planes = solution.x, np.argsort(solution.slack)[: len(arms) + 1]
         if len(planes) > len(arms) and np.linalg.matrix_rank(np.array(planes)[active_planes]) == len(arms) + 1:
             vertex = np.linalg.solve(np.array(planes)[active_planes], np.array(offsets)[active_planes])

@@ -211,7 +211,7 @@ def progress_bar(
             )
             remaining_text = format_duration(remaining_time) if completed > finished else "-"
             if show_progress is None and may_show_bar:
-                # The package that draws the bar is imported here, because the workers compute in the meantime.
+                # The package `rich`, which draws the progress bar, is imported while the workers already compute.
                 show_progress = stack.enter_context(_progress_display(label, total, finished))
                 may_show_bar = show_progress is not None
             if show_progress is not None:
@@ -219,7 +219,7 @@ def progress_bar(
             elif current_time - last_time > PROGRESS_LINE_INTERVAL:
                 last_time = current_time
                 elapsed_text = format_duration(current_time - start_time)
-                # The count of a single task would stay 0 until the task ends, so no count is printed.
+                # With one task, the number of finished tasks would stay 0 until the end, so it is not printed.
                 count_text = f"{num_finished}/{total} {label}, " if total > 1 else ""
                 line = f"{count_text}{completed / total:.1%} after {elapsed_text}"
                 line += f", about {remaining_text} left" if completed > finished else ""

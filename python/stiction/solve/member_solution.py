@@ -238,7 +238,7 @@ def _solve_asperities(
     solved_loads = np.flatnonzero(status == STATUS_OK)
     if not solved_loads.size:
         return
-    # Only with the detection method `cell` can the load curve jump, because contacts can then start with a load.
+    # The load curve can jump only with the detection method `cell`, in which a contact can begin with a load above 0.
     approach_fractions = [
         1 - STIFFNESS_DIFFERENCE_HALF_WIDTH,
         1 - APPROACH_DISTANCE_ACROSS_LOAD_JUMP * (first_model.detection == "cell"),

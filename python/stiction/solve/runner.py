@@ -62,7 +62,7 @@ from stiction.study.values import StudyError
 if TYPE_CHECKING:
     import xarray
 
-# Computing time (s) of a block of members: long compared with storing the block, but short enough to lose in a crash.
+# Computing time (s) of a block of members: storing the block takes much less, and its loss in a crash costs little.
 TARGET_BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24

@@ -48,7 +48,7 @@ _VICKERS_BY_ROCKWELL = {
 }
 """Vickers hardness (HV) of steels by Rockwell C hardness (HRC), from ISO 18265 (2013), table A.1, and ASTM E140."""
 
-# Half width of the range of a hardness converted from HRC, as a fraction of the hardness; it amounts to 10 to 20 HV.
+# Half width of the range of a hardness converted from HRC, as a fraction of the hardness (20 HV at 40 HRC).
 ROCKWELL_CONVERSION_ERROR = 0.05
 _GPA_PER_VICKERS = 9.80665e-3 / 0.9272
 """Mean contact pressure (GPa) of a Vickers indentation at 1 HV.
@@ -72,7 +72,7 @@ MAX_POISSON_RATIO = 0.5
 MAX_JUNCTION_GROWTH_COEFFICIENT = 100.0
 SLIP_LINE_TEXT = "slip-line"
 MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5  # slip-line theory
-# Limits of the yield exponent m. Fine asperities have an m far above the lower limit, and steps one below the upper.
+# Accepted limits of the yield exponent m. The m fitted to a rough surface is usually between 0.7 and 1.6.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
 MAX_AREA_LOSS = 0.9
 # At the largest accepted creep exponent, the hardness falls to a third in each decade of time.

@@ -504,7 +504,7 @@ def compute_coverage_at_bound(values: Floats) -> float:
     if density_at_bound == 0:
         return 0.0
     squared_score = max(Z_95**2 + 2 * math.log(density_at_bound / max_density), 0.0)
-    # Round-off of `erf` may raise the probability above 95 %, its limit if the density is highest at 0.
+    # The probability is at most 95 %, its value if the density is highest at 0. Round-off may raise `erf` above 95 %.
     return min(math.erf(math.sqrt(squared_score / 2)), INTERVAL_COVERAGE)
 
 

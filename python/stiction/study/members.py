@@ -244,7 +244,7 @@ class PreparedBodies:
     def member(self, index: int, wavelength: float) -> EnsembleMember:
         """Return the member with a given index, from scans low-pass filtered at a cutoff (µm; 0 for no filter)."""
         surfaces = self._surfaces
-        # In a pair of scans, members are numbered from 0, except surrogates: their number in the study is their seed.
+        # Members of each scan pair are numbered from 0. Surrogates keep their number in the study, which is their seed.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
         index_within_pair = index if has_surrogates else index // math.prod(surfaces.scan_counts)
         return self.members(wavelength, *surfaces.scan_indices_of_members(index)).member(index_within_pair)

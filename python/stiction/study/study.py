@@ -283,7 +283,7 @@ def _add_bracketing_loads(
         highest_load = max(loads) * MAX_AREAL_LOAD_RATIO
         if contact.get("hardness") is not None:
             max_load = float(quantity(contact["hardness"], "pressure")) * _compute_nominal_area(surfaces)
-            # If the highest load exceeds hardness times nominal area, the validation of the section rejects it.
+            # A requested load above hardness times nominal area is rejected later, when the section is validated.
             highest_load = min(highest_load, max(loads) * max(math.sqrt(max_load / max(loads)), 1.001))
     except (ValueError, TypeError, AttributeError):
         return {}

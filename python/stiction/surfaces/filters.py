@@ -22,7 +22,7 @@ MIN_CUTOFF_POINTS = 0.5
 _MIN_CUTOFF_POINTS_FOR_END_REGRESSION = 4.0
 # Half width of the filter as a multiple of the cutoff. At larger distances, weights are below 1e-15 of the maximum.
 _FILTER_HALF_WIDTH_IN_CUTOFFS = 1.6
-# Minimum half width (points) of the filter. With cutoffs of two or three points, weights are 1e-5 at 64 points.
+# Minimum half width (points) of the filter. With cutoffs of two or three points, weights at 64 points are about 2e-5.
 _MIN_HALF_WIDTH_POINTS = 64
 _MIN_MEASURED_WEIGHT_FRACTION = 1e-6
 _MIN_NORMALISED_PIVOT = 1e-9

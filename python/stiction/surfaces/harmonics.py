@@ -8,9 +8,9 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Minimum distance (bins) between harmonics. Closer harmonics leave too few bins without texture between them.
+# Minimum distance (bins) between harmonics. Between closer harmonics, too few bins are free of the texture's power.
 MIN_HARMONIC_DISTANCE = 10
-# Minimum bin of a first harmonic. Lower peaks may be due to the mean or a tilt, which a Hann window spreads.
+# Minimum bin of a first harmonic: peaks in lower bins may be due to the mean or a tilt, which a Hann window spreads.
 _MIN_FIRST_HARMONIC_BIN = 2.5
 _MAX_COMPARED_HARMONICS = 8
 _MIN_SIGNIFICANT_HIGHER_HARMONICS = 2

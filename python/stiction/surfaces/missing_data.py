@@ -27,16 +27,17 @@ _MIN_OUTLIER_TO_MEDIAN_DEVIATION_RATIO = MIN_OUTLIER_SIGMAS * 1.4826
 # Maximum number of adjacent points that count as outliers: a larger group is a feature of the surface.
 MAX_OUTLIER_GROUP_SIZE = 4
 
-# Median deviation of rounded heights, in steps, from the mean of neighbours (from a line through them: 0.21 to 0.33).
+# Median deviation of rounded heights from the mean of their neighbours, in rounding steps.
+# The median deviation of rounded heights from a line through two neighbours is 0.21 to 0.33 rounding steps.
 _MEDIAN_ROUNDING_DEVIATION = 0.25
 _FORM_ROUND_OFF_FRACTION = 1e-10
 _MAX_FLAT_FRACTION = 0.25
 _MIN_ROUGH_FRACTION = 0.02
 
 _WINDOW_WIDTHS = {1: 31, 2: 7}  # points, of profiles and maps
-# Minimum number of means over neighbours: with three means, an outlier in one of them does not affect their median.
+# Minimum number of means over neighbours: the median of three means is robust against an outlier in one of them.
 _MIN_NEIGHBOUR_ESTIMATES = 3
-# By chance, an outlier of a map may lie near at most this many of the (at least five) lines through two neighbours.
+# A map point with five or more lines through two neighbours may be an outlier although this many lines pass near it.
 _MAX_LINES_NEAR_OUTLIER = 2
 _MAX_OUTLIER_PASSES = 8
 # Index offsets from a point to its neighbours in profiles (1) and maps (2).
@@ -138,7 +139,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
             ]
         deviations = mean_deviations, line_deviations
         ratio = _find_smaller_ratio(deviations, [typical.scan_medians for typical in typical_deviations])
-        # Local medians are computed only around candidates from the whole scan: they can only reject candidates.
+        # Local medians, which can only reject candidates, are computed only around candidates from the whole scan.
         can_be_outlier = is_measured & ~is_outlier & np.isfinite(line_deviations)
         candidates = np.nonzero(can_be_outlier & (ratio > _MIN_OUTLIER_TO_MEDIAN_DEVIATION_RATIO))
         ratio = np.zeros(heights.shape)
@@ -212,7 +213,7 @@ def _find_neighbour_deviations(
     is_known, width = is_measured & np.isfinite(deviations), _WINDOW_WIDTHS[deviations.ndim]
     is_rough = near_rough_region = np.zeros(deviations.shape, np.bool_)
     round_off = _FORM_ROUND_OFF_FRACTION * float(np.ptp(heights[is_measured])) if is_measured.any() else 0.0
-    # Height deviations above this limit (µm) exceed one rounding step and round-off.
+    # Height deviations above this limit (µm) exceed both one rounding step and the round-off.
     resolution = 1.01 * max(step, round_off)
     if is_known.any() and np.quantile(deviations[is_known], _MAX_FLAT_FRACTION) <= resolution:
         from scipy.ndimage import maximum_filter, median_filter

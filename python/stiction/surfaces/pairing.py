@@ -144,7 +144,7 @@ class LinePairs:
         start = max(line_count // 3, 1) if shifted else 0
         if self.count is not None:
             return (start + index * line_count // self.count) % line_count
-        # The step between line numbers, near 0.618 · `line_count`, has no common divisor with it: all lines are used.
+        # The step between line numbers is near 0.618 · `line_count` and coprime to `line_count`, so all lines are used.
         step = max(1, round(line_count * _GOLDEN_RATIO))
         while math.gcd(step, line_count) > 1:
             step += 1

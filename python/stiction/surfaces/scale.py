@@ -34,7 +34,7 @@ _FIT_WINDOW_WIDTHS_IN_OCTAVES = (1.0, 2.0)
 _MIN_EXPONENT_DIFFERENCE_IN_STANDARD_DEVIATIONS = 3.0
 _MAX_HUMP_WAVELENGTH_POINTS = 24.0
 _MIN_DENSITY_TO_NOISE_RATIO = 4.0
-# The spectral density of a real surface nowhere exceeds its minimum at longer wavelengths by this factor.
+# At no wavelength is the spectral density of a real surface this many times its minimum at longer wavelengths.
 _MIN_DENSITY_RATIO_OF_RISE = 3.0
 # Noise is negligible if it contributes at most this fraction of the mean square slope of a scan.
 MAX_NEGLIGIBLE_NOISE_FRACTION = 0.1

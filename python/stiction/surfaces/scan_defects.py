@@ -309,7 +309,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
             np.abs(heights - np.median(heights)),
         )
         threshold, rounding_distance = MIN_SPIKE_HEIGHT_RATIO, rounding_error
-    # Rounding of heights can make the median distance 0, so the usual distance is at least `rounding_distance`.
+    # Rounding can make the median of `typical_distances` 0, so the usual distance is at least `rounding_distance`.
     usual_distance = max(float(np.median(typical_distances)) / 0.6745, rounding_distance)
     return np.asarray(distances > threshold * usual_distance)
 

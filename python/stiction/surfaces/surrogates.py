@@ -92,7 +92,7 @@ def surrogate(
     if periodic:
         amplitude = np.abs(np.fft.rfft(heights))
     else:
-        # Mirroring removes the jump between the ends, but adds harmonics. Half of their power goes to each neighbour.
+        # Mirroring avoids a jump between the ends but adds odd harmonics, whose power is split between both neighbours.
         mirrored_power = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
         mirrored_power = np.append(mirrored_power, mirrored_power[-2])
         harmonic_indices = 2 * np.arange(points // 2 + 1)

@@ -239,7 +239,7 @@ def _allowed_value_phrases(annotation: Any, metadata: Sequence[Any] = ()) -> lis
     for quantity_type, phrases in _QUANTITY_RANGE_TEXTS:
         if annotation is quantity_type or any(item in metadata for item in quantity_type.__metadata__[:1]):
             return [phrases]
-    # A bare `Quantity` is a length in a measured file, which a separate parser reads.
+    # A `Quantity` without metadata is the spacing of a measured file: a length, which has its own parser.
     if annotation is Quantity:
         return ["a length"]
     if get_origin(annotation) is Literal:

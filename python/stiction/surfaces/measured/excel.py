@@ -118,7 +118,7 @@ def _check_archive(data: bytes) -> bool:
         remaining_bytes, tag_count = MAX_TEXT_BYTES, 0
         for name in archive.namelist():
             end_of_chunk = b""
-            # Tags before the first row are not limited, because a workbook also contains files that have no rows.
+            # The number of tags before the first row is not limited: a workbook also contains files without rows.
             tags_in_row = -math.inf
             for chunk in read_member_chunks(archive, name, remaining_bytes):
                 remaining_bytes -= len(chunk)

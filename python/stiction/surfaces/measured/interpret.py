@@ -65,7 +65,7 @@ class ReadOptions:
     codes: tuple[float, ...] = ()  # in the unit of the file
     words: tuple[str, ...] = ()
     accept: tuple[str, ...] = ()
-    # True if the caller specifies one unit, for heights and for positions whose unit is not in the file.
+    # True if the caller specifies one unit: for heights, and for positions unless the file declares their unit.
     one_unit: bool = False
 
 

@@ -34,14 +34,14 @@ NUM_NEIGHBOURS = 12
 # A height is unusually frequent if it occurs at least MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) times.
 MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
 MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4
-# Let m be the mean frequency of heights near 0: the largest mean of the nearest 1, 3 or 12 heights on each side.
-# Zeros are unusually frequent if they occur 2 m + MIN_ZERO_DEVIATIONS · sqrt(2 m) + MIN_ZEROS times.
+# Let m be the frequency of heights near 0: the largest mean frequency of the nearest 1, 3 or 12 heights on each side.
+# Zeros are unusually frequent if they occur at least 2 m + MIN_ZERO_DEVIATIONS · sqrt(2 m) + MIN_ZEROS times.
 MIN_ZERO_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
 # If a larger fraction of the rows of a map are repeated, the map is probably a profile that was extended along y.
 MAX_REPEATED_ROWS = 0.9
 # A run of equal heights in a profile gets a caveat if the probability that rounding causes it is at most 1e-4.
 MIN_EQUAL_RUN_LENGTH, MAX_RUN_PROBABILITY = 8, 1e-4
-# If the height range is smaller than declared by a power of 1000 (within 10 %), the unit of the heights is wrong.
+# If the height range in the header is too large by a power of 1000 (within 10 %), the unit of the heights is wrong.
 MAX_RATIO_TO_DECLARED_HEIGHT_RANGE, MAX_UNIT_FACTOR_DEVIATION, UNIT_FACTOR = 10.0, 0.1, 1000.0
 MIN_CHECKED_POINTS = 20
 MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6  # µm

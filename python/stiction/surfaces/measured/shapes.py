@@ -683,7 +683,7 @@ def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None
     steps = np.diff(first_line[1:])
     if np.ptp(steps) > MAX_RELATIVE_STEP_DEVIATION * abs(steps.mean()) or not ((steps > 0).all() or (steps < 0).all()):
         return False
-    # Positions with jitter rise only in the first line, but the heights of a tilted surface rise in every line.
+    # Positions with jitter change steadily only in the first line, but heights of a tilted surface do so in every line.
     return any(_correlate_with_index(other_line) < MIN_TILT_CORRELATION for other_line in other_lines)
 
 

@@ -42,7 +42,7 @@ MAX_HISTORY_ENTRY_CHARACTERS = 1000
 MAX_HISTORY_STEPS = 1000
 
 
-# Limit for other lines of numbers above or below a table: 2 lines, plus this fraction of the table's lines.
+# Maximum number of lines of numbers above a table, and below it: 2, plus this fraction of the lines of the table.
 MAX_FOOTER_FRACTION = 0.1
 
 
