@@ -2,7 +2,20 @@
 
 import numpy as np
 import pytest
-from stiction import FormatWarning, FrictionTest, calibrate, half_space, pair, press, read_profile, self_affine_surface
+from stiction import (
+    FormatWarning,
+    FrictionTest,
+    calibrate,
+    friction_map,
+    friction_table,
+    half_space,
+    pair,
+    press,
+    read_profile,
+    run,
+    self_affine_surface,
+    table_study,
+)
 
 pytestmark = pytest.mark.usefixtures("no_companion_files")
 
@@ -58,3 +71,30 @@ def test_calibration_and_pair_issue_no_unit_warning_about_a_fitted_tau0():
     assert str(result)
     with pytest.warns(UserWarning, match="tau0 = 5 GPa is above .* was it meant in MPa"):
         result.at(tau0="5 GPa")
+
+
+@pytest.mark.parametrize(
+    "evaluate",
+    [
+        lambda result: result.at(tau0="5 GPa"),
+        lambda result: result.at(tau0="5 GPa", per_member=True),
+        lambda result: result.at(tau0="5 GPa", height_scale=1),
+        lambda result: result.joint_table(tau0=5.0),
+    ],
+    ids=["at", "at per member", "at height factors", "joint table"],
+)
+def test_large_tau0_given_for_a_result_causes_exactly_one_unit_warning(tmp_path, evaluate):
+    options = {"load": "20 MPa", "effective_modulus": "3 GPa", "mu0": 0.2, "shifts": 3, "onset": 0}
+    result = pair(*create_maps(), **options, directory=tmp_path / "pair")
+    with pytest.warns(UserWarning, match="tau0 = 5 GPa is above .* was it meant in MPa") as caught_warnings:
+        evaluate(result)
+    assert len([warning for warning in caught_warnings if "tau0" in str(warning.message)]) == 1
+
+
+@pytest.mark.parametrize("evaluate", [friction_map, friction_table], ids=lambda function: function.__name__)
+def test_large_tau0_given_for_an_ensemble_causes_exactly_one_unit_warning(evaluate):
+    study = table_study(hurst_exponents=[0.8], rms=[0.02], points=32, shortest_wavelength=0.625, repetitions=3)
+    arguments = {"loads": [1e-3]} if evaluate is friction_map else {}
+    with pytest.warns(UserWarning, match="tau0 = 50 GPa is above .* was it meant in MPa") as caught_warnings:
+        evaluate(run(study), **arguments, mu0=0.2, tau0=50.0)
+    assert len([warning for warning in caught_warnings if "tau0" in str(warning.message)]) == 1

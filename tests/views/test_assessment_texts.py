@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from stiction.evaluate.member_means import MemberDependence
 from stiction.evaluate.point import iterate_points
+from stiction.mechanics.closed_forms import DEFAULT_KAPPA
 from stiction.study.values import quantity
 from stiction.summary.assessment import METAL_YIELD_PRESSURE_RATIO, YIELD_PRESSURE_RATIO, Caveat, build_pressure_checks
 from stiction.summary.summary import POSSIBLE_NOISE_INPUT_NAME, summarize, summarize_point
@@ -15,7 +16,6 @@ from stiction.views.layout import format_paragraph
 from stiction.views.point import averaged_directions_text, cutoff_text
 from stiction.views.rows import point_record, summary_table
 from stiction.views.sentence import (
-    DEFAULT_KAPPA,
     MIN_STATED_LOAD_DEFINITION_EFFECT,
     finer_scan_text,
     inputs_text,

@@ -17,13 +17,7 @@ from stiction._units import is_pressure, loads_to_core_units, short_repr, to_cor
 from stiction.evaluate.contact_area import AreaFunction, build_area_functions
 from stiction.evaluate.member_values import estimate_area_error, interpolate_member_sums
 from stiction.mechanics.closed_forms import hertz_sphere
-from stiction.mechanics.friction import (
-    LOAD_SUM_NAMES,
-    FrictionCurve,
-    FrictionLaw,
-    sums_per_load,
-    suppress_tau0_warnings,
-)
+from stiction.mechanics.friction import LOAD_SUM_NAMES, FrictionCurve, FrictionLaw, sums_per_load
 from stiction.mechanics.hardness import CENTRAL_SIZE_EFFECT_LENGTH
 from stiction.mechanics.model import SlidingRule
 from stiction.solve.member_sums import MemberSums
@@ -409,9 +403,7 @@ def find_pair_faults(tests: Sequence[FrictionTest], mu0: float, tau0: float) -> 
     for index, result in enumerate(results.values(), start=1):
         name = result.path.resolve().name if result.path else f"tested pair {index}"
         loads = sorted({float(test.load) for test in tests if test.result is result})
-        with suppress_tau0_warnings():
-            points = result.summary(loads, mu0=mu0, tau0=tau0).reported_points
-        for point in points:
+        for point in result.summary_at(loads, mu0, tau0).reported_points:
             load_text = format_load(point.at["load"], point.nominal_pressure)
             for fault in point.faults:
                 load_texts = faults.setdefault((name, f"{fault.text}, so A/F may be wrong; {fault.remedy}"), [])

@@ -21,6 +21,7 @@ from stiction._text import format_duration
 from stiction._units import short_repr
 from stiction.evaluate.at_load import at_load
 from stiction.evaluate.budget import add_uncertainty
+from stiction.evaluate.maps import warn_if_given_tau0_is_large
 from stiction.evaluate.member_means import (
     AREA_ABOVE_NOMINAL_STATUS,
     MemberDependence,
@@ -327,6 +328,7 @@ def evaluate_at_height_factors(
         add_uncertainty(at_load(scaled_result, loads, mu0=mu0, tau0=tau0), scaled_result, budget=False).isel(cut_off=0)
         for scaled_result in results.values()
     ]
+    warn_if_given_tau0_is_large(results[1.0], tau0)
     unscaled_point = points_by_factor[list(results).index(1.0)]
     parameters = (unscaled_point["load"].values, unscaled_point["mu0"].values, unscaled_point["tau0"].values)
     used_indices = {index for pair in enclosing_index_pairs if pair[0] != pair[1] for index in pair}

@@ -23,8 +23,7 @@ from stiction.evaluate.load_range import replace_zero_load
 from stiction.evaluate.maps import MAP_CELL_DIMENSION_NAMES, choose_mu0_and_tau0
 from stiction.evaluate.member_means import AdjacentLoadValues, average_members
 from stiction.evaluate.member_values import LoadDefinition, MemberKind, evaluate_members
-from stiction.mechanics.closed_forms import gentle_friction
-from stiction.mechanics.friction import suppress_tau0_warnings
+from stiction.mechanics.closed_forms import DEFAULT_KAPPA, compute_small_slope_friction
 from stiction.mechanics.quantities import is_requested, quantity_attributes
 from stiction.solve.layout import arrange_axes
 from stiction.solve.member_sums import MemberSums
@@ -108,12 +107,9 @@ def at_load(
             gradient = arrange_axes(point.variables["rms_gradient"], ("statistic", *cell_dims))[0]
             directional_slope = arrange_axes(point.variables["rms_slope"], ("statistic", *cell_dims, "direction"))[0]
             modulus, rules = float(study.contact.effective_modulus), point["sliding"].values
-            # `choose_mu0_and_tau0` has already checked the unit of tau0.
-            with suppress_tau0_warnings():
-                small_slope_friction = estimate_small_slope_friction(
-                    cell_dims, gradient, directional_slope, rules, *strengths, modulus
-                )
-            point = point.assign(small_slope_friction)
+            point = point.assign(
+                estimate_small_slope_friction(cell_dims, gradient, directional_slope, rules, *strengths, modulus)
+            )
     if study.contact.indent is not None and is_requested("contact_hardness", names):
         hardness = np.stack([area.contact_hardness(unique_loads) for area in result.compute_once(build_area_functions)])
         point["contact_hardness"] = (
@@ -176,8 +172,16 @@ def estimate_small_slope_friction(
         np.where(has_slopes, array, 1.0)[..., None, None] for array in (gradient[..., np.newaxis], slope)
     )
     estimates = [
-        gentle_friction(
-            mu0[:, np.newaxis], tau0, rms_gradient=gradients, rms_slope=slopes, effective_modulus=modulus, sliding=rule
+        compute_small_slope_friction(
+            mu0[:, np.newaxis],
+            tau0,
+            rms_gradient=gradients,
+            rms_slope=slopes,
+            effective_modulus=modulus,
+            kappa=DEFAULT_KAPPA,
+            sliding=rule,
+            slope_ratio=1.0,
+            order=1,
         )
         for rule in rules
     ]

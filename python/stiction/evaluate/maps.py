@@ -242,7 +242,10 @@ def iterate_solved_pieces(
 def _evaluate_ensemble_quantity(
     result: MemberSums | xarray.Dataset, loads: ArrayLike, mu0: ArrayLike | None, tau0: ArrayLike | None, name: str
 ) -> xarray.Dataset:
-    return evaluate_ensemble_quantities(MemberSums.of(result), loads, mu0, tau0, [name])[name]
+    sums = MemberSums.of(result)
+    dataset = evaluate_ensemble_quantities(sums, loads, mu0, tau0, [name])[name]
+    warn_if_given_tau0_is_large(sums, tau0)
+    return dataset
 
 
 def evaluate_ensemble_quantities(
@@ -514,17 +517,27 @@ def _average_sums(
     return averages, {name: values / max(count, 1) for name, values in total_operands.items()}, count
 
 
+def warn_if_given_tau0_is_large(result: MemberSums, tau0: ArrayLike | None) -> None:
+    """Warn if a tau0 (GPa) that somebody has entered is so large that its unit is probably wrong.
+
+    By default, the tau0 of the study are checked. A tau0 fitted to friction tests causes no warning.
+    """
+    if tau0 is not None and "study" not in result.head.attrs:
+        return
+    study = result.study
+    study_values = [float(value) for value in study.friction.tau0]
+    entered_values = friction.validate_friction_parameter("tau0", study_values if tau0 is None else tau0)
+    if study.friction.interface is not None:
+        entered_values = np.setdiff1d(entered_values, study_values)
+    friction.warn_if_tau0_is_large(entered_values, float(study.contact.effective_modulus))
+
+
 def choose_mu0_and_tau0(result: MemberSums, mu0: ArrayLike | None, tau0: ArrayLike | None) -> tuple[Floats, Floats]:
     """Return mu0 and tau0 (GPa) as arrays: the given numbers or, by default, the numbers of the study."""
     if mu0 is None or tau0 is None or "study" in result.head.attrs:
         study = result.study
         mu0 = study.friction.mu0 if mu0 is None else mu0
         tau0 = [float(value) for value in study.friction.tau0] if tau0 is None else tau0
-        tau0_values = friction.validate_friction_parameter("tau0", tau0)
-        if study.friction.interface is not None:
-            # A tau0 fitted to friction tests causes no warning about a wrong unit, because nobody has entered it.
-            tau0_values = np.setdiff1d(tau0_values, [float(value) for value in study.friction.tau0])
-        friction.warn_if_tau0_is_large(tau0_values, float(study.contact.effective_modulus))
     arrays_by_name = {
         name: np.atleast_1d(friction.validate_friction_parameter(name, strengths)).ravel()
         for name, strengths in (("mu0", mu0), ("tau0", tau0))

@@ -869,6 +869,10 @@ def tabor_friction(hardness: ArrayLike, mu0: ArrayLike, tau0: ArrayLike, alpha: 
     return np.asarray(FrictionLaw(float_array("mu0", mu0), float_array("tau0", tau0)).force(1.0, 1.0 / pressure))
 
 
+DEFAULT_KAPPA = 2.2
+"""Usual value of the area coefficient κ = A E* h'/F of isotropic Gaussian height maps at small loads."""
+
+
 @reject_overflow
 def gentle_friction(
     mu0: ArrayLike,
@@ -877,7 +881,7 @@ def gentle_friction(
     rms_gradient: ArrayLike,
     rms_slope: ArrayLike | None = None,
     effective_modulus: ArrayLike = 10.0,
-    kappa: ArrayLike = 2.2,
+    kappa: ArrayLike = DEFAULT_KAPPA,
     sliding: SlidingRule = "opposing",
     slope_ratio: ArrayLike = 1.0,
     order: Literal[1, 2] = 1,
@@ -950,6 +954,28 @@ def gentle_friction(
     >>> gentle_friction(0.4, rms_gradient=[0.041, 0.41], order=2).round(3)
     array([0.206, 0.266])
     """
+    coefficient = compute_small_slope_friction(
+        mu0, tau0, rms_gradient=rms_gradient, rms_slope=rms_slope, effective_modulus=effective_modulus, kappa=kappa,
+        sliding=sliding, slope_ratio=slope_ratio, order=order,
+    )  # fmt: skip
+    moduli = float_array("effective_modulus", effective_modulus)
+    warn_if_tau0_is_large(float_array("tau0", tau0), float(np.min(moduli, initial=np.inf)))
+    return coefficient
+
+
+def compute_small_slope_friction(
+    mu0: ArrayLike,
+    tau0: ArrayLike,
+    *,
+    rms_gradient: ArrayLike,
+    rms_slope: ArrayLike | None,
+    effective_modulus: ArrayLike,
+    kappa: ArrayLike,
+    sliding: SlidingRule,
+    slope_ratio: ArrayLike,
+    order: Literal[1, 2],
+) -> Floats:
+    """Return the result of `gentle_friction`, without a warning if tau0 is so large that its unit may be wrong."""
     mu, tau = validate_friction_parameter("mu0", mu0), validate_friction_parameter("tau0", tau0)
     gradient, modulus, factor = validate_positive_arguments(
         rms_gradient=rms_gradient, effective_modulus=effective_modulus, kappa=kappa
@@ -961,7 +987,6 @@ def gentle_friction(
     check_choice("sliding", sliding, SlidingRule)
     if not isinstance(unwrap_scalar(order), int) or order not in (1, 2):
         raise ValueError(f"order must be 1 or 2, got {short_repr(order)}")
-    warn_if_tau0_is_large(tau, float(np.min(modulus, initial=np.inf)))
     m = FrictionLaw(mu, tau).force(1.0, factor / (modulus * gradient))
     ratio_factor = ratio / (1 + ratio**2)
     mean_opposing_slope = slope * ratio_factor / np.sqrt(2 * np.pi)

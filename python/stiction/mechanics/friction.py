@@ -7,9 +7,7 @@ Hanaor, Gan & Einav (2016), Eqs. 6 and 7 and section 2.5.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from contextvars import ContextVar
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Literal, Self, get_args
@@ -612,26 +610,8 @@ def validate_friction_parameter(name: str, values: ArrayLike) -> Floats:
     return array
 
 
-_WARNS_ABOUT_TAU0 = ContextVar("warns_about_tau0", default=True)
-
-
-@contextmanager
-def suppress_tau0_warnings() -> Iterator[None]:
-    """Suppress the warnings of `warn_if_tau0_is_large` about a tau0 that was fitted, or whose unit was checked before.
-
-    Warnings in other threads are not suppressed.
-    """
-    token = _WARNS_ABOUT_TAU0.set(False)
-    try:
-        yield
-    finally:
-        _WARNS_ABOUT_TAU0.reset(token)
-
-
 def warn_if_tau0_is_large(tau0: Floats, effective_modulus: float) -> None:
     """Warn if tau0 (GPa) is so large compared with E* that its unit is probably wrong."""
-    if not _WARNS_ABOUT_TAU0.get():
-        return
     max_tau0, is_rubber = float(np.max(tau0, initial=0)), effective_modulus < MAX_RUBBER_MODULUS
     if max_tau0 > (MAX_RUBBER_SHEAR_STRENGTH_RATIO if is_rubber else MAX_SHEAR_STRENGTH_RATIO) * effective_modulus:
         smaller_unit = format_with_unit(max_tau0 / 1000, "GPa").split()[-1]

@@ -31,7 +31,7 @@ from stiction.evaluate.at_load import at_load
 from stiction.evaluate.budget import add_uncertainty, evaluate_alternatives
 from stiction.evaluate.computed_loads import find_loads_without_values
 from stiction.evaluate.load_range import choose_default_loads, choose_loads_in_range
-from stiction.evaluate.maps import iterate_solved_pieces
+from stiction.evaluate.maps import iterate_solved_pieces, warn_if_given_tau0_is_large
 from stiction.evaluate.member_values import member_values
 from stiction.mechanics.quantities import QUANTITIES
 from stiction.solve.alternative_preparations import AlternativeName, load_stored_alternatives
@@ -308,6 +308,7 @@ class Evaluation(MemberSums):
         else:
             values = at_load(self, loads, mu0=mu0, tau0=tau0, load_definition=load_definition, names=quantities)
             values = add_uncertainty(values, self, budget=budget)
+        warn_if_given_tau0_is_large(self, tau0)
         # A copy is returned, because other results share the cached arrays.
         return values.copy(deep=True)
 
@@ -460,6 +461,13 @@ class Evaluation(MemberSums):
             summary = self._study_summary
             return replace(summary, at=summary.at.copy(), onset=self.onset, values_at_cutoffs=self.values_at_cutoffs)
         return self.summarize_dataset(self.at(load, mu0=mu0, tau0=tau0, budget=True))
+
+    def summary_at(self, loads: ArrayLike, mu0: float, tau0: float) -> Summary:
+        """Summarize the result at loads (mN), for a mu0 and a tau0 (GPa) that were fitted to friction tests.
+
+        `summary` also accepts texts with units, and warns if the unit of tau0 is probably wrong.
+        """
+        return self.summarize_dataset(add_uncertainty(at_load(self, loads, mu0=mu0, tau0=tau0), self, budget=True))
 
     def complete_summary(self) -> Summary:
         """Summarize the result for each load, mu0 and tau0 of the study, and for all fractal dimensions.

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from inspect import signature
 from typing import TYPE_CHECKING
 
 from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_significant, format_time, format_with_unit
 from stiction.evaluate.point import get_contact_law_name, has_limited_pressure
-from stiction.mechanics.closed_forms import gentle_friction
+from stiction.mechanics.closed_forms import DEFAULT_KAPPA
 from stiction.study.input_distributions import SLIP_LINE_TEXT, UncertainInput
 from stiction.study.inputs import Inputs, find_interface
 from stiction.study.member_names import POSITION_NAMES
@@ -36,9 +35,6 @@ MIN_STATED_LOAD_DEFINITION_EFFECT = 0.01
 MIN_STATED_FINER_SCAN_RANGE = 0.05
 MIN_STATED_KAPPA_DEVIATION = 0.2
 """Largest relative deviation of κ = A E* h'/F from the usual value for which the small-slope estimate applies."""
-
-DEFAULT_KAPPA = float(signature(gentle_friction).parameters["kappa"].default)
-"""Usual value of the area coefficient κ = A E* h'/F, which `gentle_friction` assumes by default."""
 
 
 def finer_scan_text(point: PointSummary) -> str:
