@@ -35,7 +35,7 @@ constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20
 // The group profiles of one block must fit into the second-level cache.
 constexpr Index block = 1024;
 constexpr Index blocks_per_restart = 8;
-// In each step, a recurrence advances a harmonic by this number of grid points. Each SIMD lane has its own recurrence.
+// Number of interleaved recurrences per harmonic. In each step, a recurrence advances by this number of grid points.
 constexpr std::size_t lanes = 32;
 constexpr std::size_t doublings = 5;
 static_assert(lanes == 1 << doublings && block % lanes == 0);

@@ -55,6 +55,7 @@ MIN_EFFECTIVE_SAMPLES = 300.0
 NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31
 NUM_STRENGTH_PAIRS = 4000
 # Grids of mu0 and tau0 end where -2 ln(probability density) exceeds its minimum by this number (5.8² = 34).
+# With outliers, or if a test did not slide, grids of mu0 and tau0 end at four times this number.
 MAX_GRID_DEVIANCE = 34.0
 # Degrees of freedom of Student's t distribution, for drawing nuisance points and for test errors with outliers.
 PROPOSAL_DEGREES_OF_FREEDOM = 5.0

@@ -34,8 +34,8 @@ from stiction.mechanics.solution_record import SolutionRecord, StepResult
 MAX_RELATIVE_FORCE_OFFSET = 1e-4
 MAX_TILT_SOLVES_PER_LOAD = 60
 MAX_EDGE_DISPLACEMENT_STEP = 0.5
-# This term is added to the moments per slope, so that Newton's equations have a solution.
-# Unit of the added term: (mean pressure) · (side length)² / (standard deviation of the gap).
+# This term is added to the diagonal of Newton's equations for the tilt, so that they have a solution.
+# Unit of the term in Newton's equations: (mean pressure) · (side length)² / (standard deviation of the gap).
 ADDED_MOMENT_PER_SLOPE = 1e-6
 INDENTATION_TOLERANCE = 1e-6
 MAX_CUTTING_PLANES = 200

@@ -110,7 +110,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
         return None
     if (heights_above.mean() - heights_below.mean()) / best_height < MIN_STEP_SHARPNESS:
         return None
-    # A block of points on both sides of the height step is excluded, because its mean height mixes both levels.
+    # Blocks of points that the height step crosses are excluded, because their mean heights mix both levels.
     is_undivided = np.abs(distances) > nearest_distance
     design_matrix = np.stack([np.ones_like(heights), *coordinates, distances > 0], axis=1)[is_undivided]
     *_, height = np.linalg.lstsq(design_matrix, heights[is_undivided], rcond=None)[0]

@@ -29,7 +29,7 @@ _MIN_FIT_BINS = 8
 _RELATIVE_MODEL_ERROR = 0.1
 # Spectral exponents of lines of self-affine surfaces, for the Hurst exponents 0 and 2.
 _LINE_SPECTRUM_EXPONENT_RANGE = (1.0, 5.0)
-# Maximum ratio of the fitted noise density to the median density at wavelengths below four points along both axes.
+# Maximum ratio of the fitted noise to the noise estimated from the median density at wavelengths below four points.
 _MAX_FITTED_NOISE_RATIO = 2.0
 
 

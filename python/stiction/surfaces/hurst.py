@@ -37,7 +37,7 @@ _MIN_BINS_PER_PIECE = 4
 _RELATIVE_MODEL_ERROR = 0.1
 # Penalty for each piece of a spectrum: large, because a piece has three parameters and about 50 possible first bins.
 _SPECTRUM_PIECE_PENALTY = 10.0
-# Maximum deviance per bin of a fit. Random scatter of a spectrum causes a deviance of about 1, separate peaks far more.
+# Maximum deviance of a fit per degree of freedom: random scatter of a spectrum causes about 1, separate peaks more.
 _MAX_DEVIANCE_PER_BIN = 10.0
 _MIN_BAND_WIDTH = math.log(3)  # about half a decade
 _ROLL_OFF_PENALTY = 2.0

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from stiction._checks import Floats
 
-# A grid counts as uniform if its steps differ from the mean step by at most this fraction of the mean step.
+# A grid counts as uniform if its largest and smallest step differ by at most this fraction of the mean step.
 SPACING_TOLERANCE = 1e-6
 
 

@@ -19,7 +19,7 @@ BodyLike = Any
 
 # Names of amplitude parameters in the C++ core, which treats the heights of a map like those of a profile.
 _CPP_MEASURE_NAMES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
-# Minimum height range (µm); its reciprocal is the maximum. Outside these limits, fourth powers under- or overflow.
+# Minimum height range (µm); its reciprocal is the maximum. In this range, fourth powers do not under- or overflow.
 _MIN_BODY_HEIGHT_RANGE = 1e-50
 
 

@@ -13,7 +13,7 @@ from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, reject_missing_points
 from stiction.surfaces.surface import Surface, as_body
 
-# Maximum gap between the tip and a touched point, as a fraction of the height range or largest absolute height.
+# Maximum gap at a point that the tip touches, relative to the height range or, if larger, the largest |height|.
 _TIP_CONTACT_TOLERANCE = 1e-9
 
 

@@ -54,7 +54,7 @@ MAX_SELECTED_PROFILE_COLUMNS = 3  # x, y and z
 MIN_JITTERED_POSITIONS = 8
 MAX_RELATIVE_STEP_DEVIATION = 0.5
 MIN_TILT_CORRELATION = 0.98
-# The first number of a column gets a caveat if it has fewer decimals than each of this many numbers below it.
+# The first number of a column gets a caveat if it has n - 2 decimals or less, and this many numbers below it have n.
 MIN_COMPARED_NUMBERS = 20
 # Minimum step of evenly spaced numbers, in units of the last digit. Smaller rounded steps may be equal by chance.
 MIN_STEP_IN_LAST_DIGITS = 3.0

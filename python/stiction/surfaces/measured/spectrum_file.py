@@ -27,7 +27,7 @@ _SCAN_LINE_PATTERN = re.compile(
 )
 _HASH_LINE_PATTERN = re.compile(r"^#.*\n?", re.MULTILINE)
 _NUM_BYTES_WITH_COLUMN_NAMES = 100_000
-# Rounding of wave numbers in a spectrum file changes the ratio of successive ones by at most this fraction.
+# Rounding in a spectrum file may change ln(ratio of successive wave numbers) by this fraction of its mean.
 _RATIO_TOLERANCE = 1e-3
 
 
