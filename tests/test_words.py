@@ -26,6 +26,14 @@ def test_words_script_joins_consecutive_lines_of_a_comment(words_tool):
     ]
 
 
+def test_words_check_rejects_a_line_of_a_paragraph_that_starts_with_a_percent_sign(words_tool):
+    page = (
+        "% A comment.\n\nThe area rises by 5\n% in this case.\n\n```sh\nx\n%%sh\n```\n\n- It falls by 5\n  % again.\n"
+    )
+    faults = list(words_tool.find_dropped_line_faults({"page.md": page}))
+    assert [fault.split(": ")[0] for fault in faults] == ["page.md:4", "page.md:12"]
+
+
 def test_words_script_lists_docstrings_of_constants(words_tool):
     source = '"""Module."""\n\nLIMIT = 3\n"""Largest number of rows."""\n'
     assert list(words_tool.docstring_summaries({"dev": source})) == [

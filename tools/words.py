@@ -4,7 +4,8 @@ words.py sample [--seed S] [--number N] [--functions N]
     Print N sentences and N names as a table in which a reader marks each one. The same seed and commit give the
     same sample. With --functions, print whole functions to explain from name, summary and body instead.
 words.py check
-    Exit with status 1 and one line for each name or sentence that words.toml rejects.
+    Exit with status 1 and one line for each name or sentence that words.toml rejects, and for each line of a page
+    that the documentation drops.
 """
 
 from __future__ import annotations
@@ -60,18 +61,22 @@ def read_commit_files() -> TextsByPath:
     return texts
 
 
-def read_tracked_python_files() -> TextsByPath:
-    """Return the contents of all tracked Python files in the working tree, by path."""
+def read_tracked_files(is_read: Callable[[str], bool]) -> TextsByPath:
+    """Return the contents of the tracked files in the working tree whose names `is_read` accepts, by path."""
     tracked_files = subprocess.run(
         ["git", "ls-files"], cwd=ROOT, capture_output=True, check=True, text=True
     ).stdout.split()
     return {
-        name: (ROOT / name).read_text("utf-8") for name in tracked_files if is_python(name) and (ROOT / name).exists()
+        name: (ROOT / name).read_text("utf-8") for name in tracked_files if is_read(name) and (ROOT / name).exists()
     }
 
 
 def is_python(name: str) -> bool:
     return name == "dev" or name.endswith(".py")
+
+
+def is_page(name: str) -> bool:
+    return name.endswith(".md")
 
 
 def is_in_directories(name: str, directories: tuple[str, ...]) -> bool:
@@ -285,6 +290,18 @@ def find_first_word_faults(files: TextsByPath, words_by_directory: Mapping[str, 
             yield f"{location}: {sentence[:60]!r} does not begin with a verb or with the thing that it describes"
 
 
+def find_dropped_line_faults(pages: TextsByPath) -> Iterator[str]:
+    """Yield the lines of paragraphs that the documentation drops, because a line that starts with % is a comment."""
+    for path, text in pages.items():
+        is_code, previous_line = False, ""
+        for number, line in enumerate(text.splitlines(), start=1):
+            if line.lstrip().startswith("```"):
+                is_code = not is_code
+            elif line.lstrip().startswith("%") and previous_line.strip() and not is_code:
+                yield f"{path}:{number}: a paragraph has a line that starts with %, which the documentation drops"
+            previous_line = line
+
+
 def modules_by_repeated_class(files: TextsByPath) -> dict[str, set[str]]:
     """Return the modules that define the same class name, by class name."""
     modules: dict[str, set[str]] = {}
@@ -316,17 +333,18 @@ def find_repetition_faults(meanings_by_name: Mapping[str, set[str]], accepted_na
 
 
 def check_words_and_names() -> None:
-    files, rules = read_tracked_python_files(), tomllib.loads(WORD_RULES_FILE.read_text("utf-8"))
+    files, rules = read_tracked_files(is_python), tomllib.loads(WORD_RULES_FILE.read_text("utf-8"))
     faults = [
         *find_name_faults(files, rules["names"]),
         *find_test_name_faults(files, rules["test_names"]),
         *find_first_word_faults(files, rules["openings"]),
+        *find_dropped_line_faults(read_tracked_files(is_page)),
         *find_repetition_faults(modules_by_repeated_class(files), rules["repeated"]["classes"]),
         *find_repetition_faults(modules_by_repeated_constant(files), rules["repeated"]["constants"]),
     ]
     if faults:
         print(*faults, sep="\n")
-        sys.exit(f"words: {len(faults)} names and sentences that tools/words.toml rejects")
+        sys.exit(f"words: {len(faults)} faults in names, sentences and pages; tools/words.toml lists rejected words")
 
 
 def main() -> None:
