@@ -322,7 +322,11 @@ class LevelSolver {
     std::span<const float> residual = cg_.residual(pool_);
     if (!cg_.is_steepest_descent()) {
       if (preconditioner_) {
-        residual = (*preconditioner_)(cg_.free_points(), residual, workspace_, pool_);
+        const std::span<const float> displacements = residual;
+        residual = (*preconditioner_)(cg_.free_points(), displacements, workspace_, pool_);
+        if (cg_.hold_points_at_bounds(residual, pool_)) {
+          residual = (*preconditioner_)(cg_.free_points(), displacements, workspace_, pool_);
+        }
       } else {
         preconditioned_.resize(response_.size());
         kernel_.apply_stiffness(residual, preconditioned_, workspace_, pool_);

@@ -23,6 +23,20 @@ double product(const std::vector<float>& left, const std::vector<float>& right) 
                             [](float a, float b) { return static_cast<double>(a) * static_cast<double>(b); });
 }
 
+// Call `visit(point, row, column)` for the indices of some grid points in increasing order.
+// Rows are counted, because dividing each index by the number of columns would take longer than most visits.
+template <class Visit>
+void visit_points(std::span<const std::int32_t> points, std::size_t columns, Visit visit) {
+  std::size_t row = points.empty() ? 0 : static_cast<std::size_t>(points[0]) / columns;
+  for (const std::int32_t each : points) {
+    const auto point = static_cast<std::size_t>(each);
+    while (point >= (row + 1) * columns) {
+      ++row;
+    }
+    visit(point, row, point - row * columns);
+  }
+}
+
 }  // namespace
 
 Grid Preconditioner::block_grid(const Grid& area) {
@@ -85,17 +99,17 @@ std::span<const float> Preconditioner::operator()(std::span<const std::int32_t> 
   solve_blocks(workspace, pool);
   const std::size_t block_columns = blocks_.grid().columns;
   pool.run_chunks(free_points.size(), points_per_block_task, [&](std::size_t first, std::size_t last) {
-    for (std::size_t k = first; k < last; ++k) {
-      const auto point = static_cast<std::size_t>(free_points[k]);
-      const Interpolation& y = along_y_[point / columns_];
-      const Interpolation& x = along_x_[point % columns_];
-      const auto along = [&](std::int32_t row) {
-        const float* values = solution_.data() + static_cast<std::size_t>(row) * block_columns;
-        return values[x.low] + x.fraction * (values[x.high] - values[x.low]);
-      };
-      const float low = along(y.low);
-      remainder_[point] = displacements[point] - (low + y.fraction * (along(y.high) - low));
-    }
+    visit_points(free_points.subspan(first, last - first), columns_,
+                 [&](std::size_t point, std::size_t row_index, std::size_t column) {
+                   const Interpolation& y = along_y_[row_index];
+                   const Interpolation& x = along_x_[column];
+                   const auto along = [&](std::int32_t row) {
+                     const float* values = solution_.data() + static_cast<std::size_t>(row) * block_columns;
+                     return values[x.low] + x.fraction * (values[x.high] - values[x.low]);
+                   };
+                   const float low = along(y.low);
+                   remainder_[point] = displacements[point] - (low + y.fraction * (along(y.high) - low));
+                 });
   });
   apply_stencil(free_points, remainder_, pool);
   pool.run_chunks(free_points.size(), points_per_block_task, [&](std::size_t first, std::size_t last) {
@@ -118,20 +132,19 @@ void Preconditioner::update_foundation(std::span<const std::int32_t> free_points
 void Preconditioner::apply_stencil(std::span<const std::int32_t> free_points, std::span<const float> values,
                                    const ThreadPool& pool) {
   pool.run_chunks(free_points.size(), points_per_block_task, [&](std::size_t first, std::size_t last) {
-    for (std::size_t k = first; k < last; ++k) {
-      const auto point = static_cast<std::size_t>(free_points[k]);
-      const std::size_t row = point / columns_;
-      const std::size_t column = point % columns_;
-      const std::size_t above = (row > 0 ? row : rows_) - 1;
-      const std::size_t below = row + 1 < rows_ ? row + 1 : 0;
-      const std::size_t left = (column > 0 ? column : columns_) - 1;
-      const std::size_t right = column + 1 < columns_ ? column + 1 : 0;
-      const auto across = [&](std::size_t source_row, const float* weights) {
-        const float* row_values = values.data() + source_row * columns_;
-        return weights[0] * row_values[left] + weights[1] * row_values[column] + weights[2] * row_values[right];
-      };
-      result_[point] = across(above, &stencil_[0]) + across(row, &stencil_[3]) + across(below, &stencil_[6]);
-    }
+    visit_points(
+        free_points.subspan(first, last - first), columns_,
+        [&](std::size_t point, std::size_t row, std::size_t column) {
+          const std::size_t above = (row > 0 ? row : rows_) - 1;
+          const std::size_t below = row + 1 < rows_ ? row + 1 : 0;
+          const std::size_t left = (column > 0 ? column : columns_) - 1;
+          const std::size_t right = column + 1 < columns_ ? column + 1 : 0;
+          const auto across = [&](std::size_t source_row, const float* weights) {
+            const float* row_values = values.data() + source_row * columns_;
+            return weights[0] * row_values[left] + weights[1] * row_values[column] + weights[2] * row_values[right];
+          };
+          result_[point] = across(above, &stencil_[0]) + across(row, &stencil_[3]) + across(below, &stencil_[6]);
+        });
   });
 }
 
@@ -142,10 +155,13 @@ void Preconditioner::sum_on_blocks(std::span<const std::int32_t> free_points, st
   task_sums_.resize(std::max<std::size_t>((free_points.size() + points_per_sum - 1) / points_per_sum, 1));
   pool.run(task_sums_.size(), [&](std::size_t task, std::size_t) {
     task_sums_[task].assign(blocks_.grid().size(), 0.0F);
-    for (std::size_t k = task * points_per_sum; k < std::min((task + 1) * points_per_sum, free_points.size()); ++k) {
-      const auto point = static_cast<std::size_t>(free_points[k]);
-      const Interpolation& y = along_y_[point / columns_];
-      const Interpolation& x = along_x_[point % columns_];
+    const std::size_t first = task * points_per_sum;
+    const auto task_points =
+        free_points.subspan(std::min(first, free_points.size()))
+            .first(std::min(points_per_sum, free_points.size() - std::min(first, free_points.size())));
+    visit_points(task_points, columns_, [&](std::size_t point, std::size_t row_index, std::size_t column) {
+      const Interpolation& y = along_y_[row_index];
+      const Interpolation& x = along_x_[column];
       const float high = y.fraction * result_[point];
       const auto add = [&](std::int32_t row, float value) {
         float* row_values = task_sums_[task].data() + static_cast<std::size_t>(row) * block_columns;
@@ -154,7 +170,7 @@ void Preconditioner::sum_on_blocks(std::span<const std::int32_t> free_points, st
       };
       add(y.low, result_[point] - high);
       add(y.high, high);
-    }
+    });
   });
   sums = task_sums_[0];
   for (std::size_t task = 1; task < task_sums_.size(); ++task) {

@@ -438,6 +438,60 @@ std::span<const float> ProjectedCgSolver::residual(const ThreadPool& pool) {
   return residual_;
 }
 
+bool ProjectedCgSolver::hold_points_at_bounds(std::span<const float> preconditioned, const ThreadPool& pool) {
+  check(preconditioned);
+  if (line_) {
+    throw std::logic_error("ProjectedCgSolver: hold_points_at_bounds requires an area");
+  }
+  struct Sums {
+    double value = 0.0;
+    double potential = 0.0;
+    double held = 0.0;  // number of held points
+
+    void add(const Sums& other) {
+      value += other.value;
+      potential += other.potential;
+      held += other.held;
+    }
+  };
+  const std::size_t size = free_points_.size();
+  const Sums before = sum_chunks<Sums>(size, pool, [&](std::size_t first, std::size_t last) {
+    Sums partial;
+    for (std::size_t k = first; k < last; ++k) {
+      partial.value += static_cast<double>(preconditioned[point(free_points_, k)]);
+    }
+    return partial;
+  });
+  const double mean = before.value / static_cast<double>(std::max<std::size_t>(size, 1));
+  const auto is_held = [&](std::size_t i) {
+    const double direction = static_cast<double>(preconditioned[i]) - mean;
+    return ((pressure_[i] <= 0.0) & (direction < 0.0)) | ((pressure_[i] >= bound_at(i)) & (direction > 0.0));
+  };
+  const Sums after = sum_chunks<Sums>(size, pool, [&](std::size_t first, std::size_t last) {
+    Sums partial;
+    for (std::size_t k = first; k < last; ++k) {
+      const std::size_t i = point(free_points_, k);
+      const bool held = is_held(i);
+      partial.potential += held ? 0.0 : potential_[i];
+      partial.held += held ? 1.0 : 0.0;
+    }
+    return partial;
+  });
+  const auto remaining = static_cast<double>(size) - after.held;
+  if (after.held == 0.0 || remaining == 0.0) {
+    return false;
+  }
+  std::erase_if(free_points_, [&](std::int32_t each) {
+    const auto i = static_cast<std::size_t>(each);
+    const bool held = is_held(i);
+    residual_[i] = held ? 0.0F : residual_[i];
+    return held;
+  });
+  mean_potential_ = after.potential / remaining;
+  residual(pool);
+  return true;
+}
+
 void ProjectedCgSolver::restrict_to_free_points(std::span<const float> preconditioned) {
   preconditioned_.resize(free_points_.size());
   for (std::size_t k = 0; k < free_points_.size(); ++k) {

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
@@ -124,6 +125,25 @@ TEST_CASE("ProjectedCgSolver: projects the initial pressure onto the bounds and 
   CHECK(std::accumulate(pressure.begin(), pressure.end(), 0.0) == doctest::Approx(4.0).epsilon(1e-14));
   CHECK(pressure[0] == 0.0);
   CHECK(pressure[1] == doctest::Approx(2.5));
+}
+
+TEST_CASE("ProjectedCgSolver: holds the points that a direction would push beyond their bounds") {
+  // At the mean potential 1.4, the points 0 and 3 are free at their bounds. The mean direction is 0.
+  const std::vector<double> bound{3.0, 3.0, 3.0, 3.0};
+  ProjectedCgSolver solver({0.0, 1.0, 1.0, 3.0}, 5.0, bound, false);
+  solver.restart({0.8, 1.0, 2.0, 1.8});
+  CHECK(solver.update_free_points() > 0.0);
+  CHECK(solver.free_points().size() == 4);
+  const auto residual = solver.residual();
+  CHECK_FALSE(solver.hold_points_at_bounds(std::vector<float>{1.0F, 1.0F, -1.0F, -1.0F}));
+  CHECK(solver.hold_points_at_bounds(std::vector<float>{-1.0F, 2.0F, -2.0F, 1.0F}));
+  const std::vector<std::int32_t> free_points(solver.free_points().begin(), solver.free_points().end());
+  CHECK(free_points == std::vector<std::int32_t>{1, 2});
+  // The mean potential of the remaining points is 1.5.
+  CHECK(std::vector<float>(residual.begin(), residual.end()) == std::vector<float>{0.0F, 0.5F, -0.5F, 0.0F});
+  CHECK_FALSE(solver.hold_points_at_bounds(std::vector<float>{-1.0F, 2.0F, -2.0F, 1.0F}));
+  ProjectedCgSolver line({1.0, 1.0}, 2.0, none, true);
+  CHECK_THROWS_AS(line.hold_points_at_bounds(std::vector<float>(2)), std::logic_error);
 }
 
 TEST_CASE("ProjectedCgSolver: invalid arguments throw") {

@@ -852,6 +852,20 @@ def test_half_space_rejects_invalid_spacing(spacing):
         half_space(Surface(0 * heights, spacing=spacing), Surface(heights, spacing=spacing), [1e-3])
 
 
+def test_half_space_needs_few_iterations_for_large_maps_with_long_wavelengths():
+    # Directions that push points beyond their bounds would need 44 iterations in total, because steps would fail.
+    upper, lower = (
+        Surface(
+            self_affine_surface(seed, hurst_exponent=0.8, rms=0.3, shape=(1024, 1024), spacing=0.5).heights[:768, :768],
+            spacing=0.5,
+        )
+        for seed in (1, 2)
+    )
+    loads = [pressure * upper.heights.size * 0.25 for pressure in (0.025, 0.05)]
+    curve = half_space(upper, lower, loads, effective_modulus=78.7)
+    assert curve.iterations.sum() <= 36
+
+
 def test_progress_callback_reports_iterations_and_can_cancel_the_solution():
     body = periodic_body((32, 32))
     events = []

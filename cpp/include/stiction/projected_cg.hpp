@@ -56,6 +56,12 @@ class ProjectedCgSolver {
   /// At points that are not free, the residual is 0 on areas, and linearly interpolated on lines.
   std::span<const float> residual(const ThreadPool& pool = ThreadPool());
 
+  /// Hold the free points at a bound that the direction M r would push beyond this bound, on areas only.
+  /// Held points are not free until the next `update_free_points`. The residual of the other points changes in place.
+  /// Returns whether points were held; M r must then be computed again. Without held points, directions that are
+  /// clipped at many bounds are seldom conjugate, and may not lower the energy.
+  bool hold_points_at_bounds(std::span<const float> preconditioned, const ThreadPool& pool = ThreadPool());
+
   std::span<const std::int32_t> free_points() const { return free_points_; }
 
   /// A steepest-descent step uses the residual instead of the preconditioned residual, and always lowers the energy.
