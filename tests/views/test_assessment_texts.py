@@ -250,6 +250,16 @@ def test_assumed_lay_adds_a_caveat_if_only_the_interval_for_opposing_contacts_ex
     assert (point.assessment == "Quote with care") == has_caveat
 
 
+@pytest.mark.parametrize(("all_contacts", "has_caveat"), [(0.203, False), (0.206, True)])
+@pytest.mark.parametrize("options", [{}, {"mechanics": "asperities", "adhesion": None}], ids=["grooves", "spheres"])
+def test_assumed_lay_adds_a_caveat_only_if_another_lay_may_change_a_coefficient_by_more_than_two_per_cent(
+    options, all_contacts, has_caveat
+):
+    study = measured_study(press="lines", mu0=(0.2,), **options).with_changes({"surfaces.lay_assumed": True})
+    result = measured_result(all_contacts=all_contacts, opposing=all_contacts / 2, half_width_ratio=0.001)
+    assert ("the lay is assumed" in get_caveat_texts(summarize_single_point(result, study))) == has_caveat
+
+
 @pytest.mark.parametrize(("half_width_ratio", "has_caveat"), [(0.01, True), (0.1, False)])
 def test_caveat_about_assumed_spherical_asperities_states_no_direction(half_width_ratio, has_caveat):
     study = measured_study(press="lines", mechanics="asperities", adhesion=None, mu0=(0.2,))

@@ -838,6 +838,10 @@ OPPOSING_LOAD_FRACTION = 0.5
 """Fraction of the load on contacts that oppose the motion, for surfaces with small slopes."""
 
 
+MAX_NEGLECTED_LAY_EFFECT = 0.02
+"""Largest relative change of a coefficient with the lay that is neglected."""
+
+
 def find_lay_caveats(
     study: Study, rules: Sequence[SlidingRuleCoefficient], roughness_contribution: float | None
 ) -> Iterator[Caveat]:
@@ -847,7 +851,8 @@ def find_lay_caveats(
     of roughness to the coefficient if friction acts at all contacts. The lay only changes this contribution: without
     it, the coefficient for opposing contacts only is half of the coefficient for all contacts. If grooves are assumed,
     the true area without grooves is smaller, and each coefficient lies between its value without and with the
-    contribution of roughness. There is no caveat if all intervals contain the coefficients without this contribution.
+    contribution of roughness. There is no caveat if all intervals contain the coefficients without this contribution,
+    or if these coefficients differ from the reported ones by at most `MAX_NEGLECTED_LAY_EFFECT`.
     If spherical asperities are assumed, another lay may change a coefficient in either direction, and the interval must
     also contain the coefficient with twice this contribution.
     """
@@ -863,7 +868,8 @@ def find_lay_caveats(
         for rule, name in zip(rules, ("the coefficient", "the second coefficient"), strict=False):
             lowest = lowest_by_rule[rule.rule]
             limits = [lowest, *([] if are_grooves_assumed else [2 * rule.value - lowest])]
-            if _is_coefficient(rule) and not all(rule.lower <= limit <= rule.upper for limit in limits):
+            is_excluded = not all(rule.lower <= limit <= rule.upper for limit in limits)
+            if _is_coefficient(rule) and is_excluded and rule.value - lowest > MAX_NEGLECTED_LAY_EFFECT * rule.value:
                 change_texts.append(f"{name} may be anything down to {lowest:.3f}")
         if not change_texts:
             return
