@@ -102,8 +102,8 @@ def test_surrogates_generated_from_spectra_have_these_spectra_and_the_same_phase
     rows, columns = pairs.shape
     cropped_surrogate = Surface(cut_off(surrogate, 0.4, periodic=True).heights[:rows, :columns], spacing=pairs.spacing)
     assert np.array_equal(filtered_pairs.surrogates(3)[1].heights, levelled(cropped_surrogate, "plane").heights)
-    # The spacing of the surrogates follows from the smallest cutoff if all results are filtered.
-    assert SurfacePairsFromSpectra(*spectra, cut_off=(0.4, 0.4), finest_spacing=0.4).spacing[0] == pytest.approx(0.1)
+    # The spacing of the surrogates follows from the shortest cutoff if all results are filtered.
+    assert SurfacePairsFromSpectra(*spectra, cut_off=(0.4, 0.4), shortest_cutoff=0.4).spacing[0] == pytest.approx(0.1)
 
 
 def test_friction_interval_from_joined_spectra_contains_the_friction_of_the_complete_surfaces(spectra, surfaces):

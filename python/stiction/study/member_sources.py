@@ -238,7 +238,7 @@ class MapMemberSource:
         scans: Sequence[Any] = self.scans
         # The shortest wavelength of a scan is two grid spacings.
         if isinstance(pairs, SurfacePairsFromSpectra):
-            wavelengths = (max(body.shortest, pairs.finest_spacing) for body in (pairs.upper, pairs.lower))
+            wavelengths = (max(body.shortest, pairs.shortest_cutoff) for body in (pairs.upper, pairs.lower))
             scans = [
                 SimpleNamespace(spacing=shortest_wavelength / 2, extent=pairs.side_length)
                 for shortest_wavelength in wavelengths

@@ -158,8 +158,8 @@ def apply_ranges_of_pair(strength: InterfaceStrength, shared_inputs: Mapping[str
 def _compute_log_density(estimate: UncertainInput, values: Floats) -> Floats:
     """Return the natural logarithm of an input's probability density at given values, plus an arbitrary constant.
 
-    The density of an exact number is that of a very narrow normal distribution. A uniform density falls to zero over a
-    small distance, so that its logarithm is finite everywhere.
+    The density of an exact number is that of a very narrow normal distribution. A uniform density decays like
+    a normal density outside its range, so that its logarithm is finite everywhere.
     """
     half_width = max(0.5 * (estimate.high - estimate.low), RELATIVE_WIDTH_OF_EXACT_NUMBER * estimate.value)
     if estimate.distribution == "uniform":

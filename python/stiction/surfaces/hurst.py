@@ -38,7 +38,7 @@ _RELATIVE_MODEL_ERROR = 0.1
 # Penalty for each piece of a spectrum: large, because a piece has three parameters and about 50 possible first bins.
 _SPECTRUM_PIECE_PENALTY = 10.0
 # Maximum deviance of a fit per degree of freedom: random scatter of a spectrum causes about 1, separate peaks more.
-_MAX_DEVIANCE_PER_BIN = 10.0
+_MAX_DEVIANCE_PER_DEGREE_OF_FREEDOM = 10.0
 _MIN_BAND_WIDTH = math.log(3)  # about half a decade
 _ROLL_OFF_PENALTY = 2.0
 
@@ -421,7 +421,7 @@ def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> 
                 start_bin, end_bin = int(starts[piece]), int(piece_ends[piece])
                 if (
                     bins.slice_bins(start_bin, end_bin).deviance(exponents[piece], weight[start_bin:end_bin])
-                    > _MAX_DEVIANCE_PER_BIN
+                    > _MAX_DEVIANCE_PER_DEGREE_OF_FREEDOM
                 ):
                     continue
                 end_bin -= end_bin < bins.log_q.size

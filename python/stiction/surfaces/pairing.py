@@ -521,11 +521,11 @@ class SurfacePairsFromSpectra(SquarePiecePairs):
     # Cutoff wavelengths (µm) of the upper and the lower body, or 0 for an unfiltered body.
     cut_off: tuple[float, float] = (0.0, 0.0)
     # Shortest cutoff (µm) of a study. It determines the grid of the generated surfaces at every cutoff.
-    finest_spacing: float = 0.0
+    shortest_cutoff: float = 0.0
 
     @cached_property
     def _grid_spacing(self) -> float:  # type: ignore[override]
-        return max(min(self.upper.shortest, self.lower.shortest), self.finest_spacing) / GRID_POINTS_PER_WAVELENGTH
+        return max(min(self.upper.shortest, self.lower.shortest), self.shortest_cutoff) / GRID_POINTS_PER_WAVELENGTH
 
     @cached_property
     def _num_side_points(self) -> int:  # type: ignore[override]
