@@ -63,7 +63,7 @@ def contains_text(value: Any) -> bool:
 
 
 def split_texts(name: str, value: Any) -> Any:
-    """Split an argument's texts at commas, as on the command line; return any other argument unchanged.
+    """Split at commas an argument that is a text or contains texts; return an argument without texts unchanged.
 
     Raises an `ArgumentError` if a comma may be a decimal mark.
     """

@@ -23,7 +23,7 @@ _Array = TypeVar("_Array", bound=NDArray[Any])
 
 
 def float_array(name: str, values: ArrayLike, *, ndim: int | None = None) -> Floats:
-    """Return numbers as a C-contiguous float64 array, or raise a `ValueError` for infinity and NaN.
+    """Return numbers as a C-contiguous float64 array, or raise a `ValueError` if a number is infinite or NaN.
 
     `ndim` is the required number of dimensions; None accepts any number of dimensions.
     """

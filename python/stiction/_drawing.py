@@ -44,7 +44,7 @@ def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axe
 
 
 def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats, Floats]) -> Axes:
-    """Draw a power spectral density on logarithmic axes: the density of each harmonic, and the mean of each bin."""
+    """Draw a power spectral density on logarithmic axes: the density of each harmonic, and mean densities in bins."""
     wave_number, density = harmonics
     is_positive = density > 0
     if not is_positive.any():
@@ -197,7 +197,7 @@ def _friction_parameter_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str
 
 
 def draw_contact_pressure(ax: Axes, pressure: Floats, heights: Floats, spacing: tuple[float, ...]) -> Axes:
-    """Draw contact pressure (GPa) and heights of the lower surface, as maps or along a profile."""
+    """Draw the heights of the lower surface and the contact pressure (GPa), as maps or along a profile."""
     if pressure.ndim == 1:
         return _draw_profile_contact_pressure(ax, pressure, heights, spacing[-1])
     extent = map_extent(pressure.shape, spacing)

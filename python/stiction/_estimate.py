@@ -215,7 +215,7 @@ def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
 def count_estimate_decimals(
     value: Floats, lower: Floats, upper: Floats, *, digits: int
 ) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
-    """Return how many decimals to print: one array for values and lower limits, and one array for upper limits.
+    """Return the numbers of decimals to print: one array for values and lower limits, and one for upper limits.
 
     The first array is for values and lower limits, the second array for upper limits. The number of decimals is
     negative for numbers that are rounded to tens or more. The second array contains `DECIMALS_CODE_OF_NO_INTERVAL` if
@@ -255,7 +255,7 @@ def _count_interval_decimals(value: Floats, lower: Floats, upper: Floats, digits
 
 
 def _count_significant_decimals(value: Floats, digits: int) -> Floats:
-    """Return the number of decimals of a number with `digits` significant digits, without trailing zeros."""
+    """Return how many decimals a number has when rounded to `digits` significant digits, not counting final zeros."""
     exponents = _find_decimal_exponents(value)
     with np.errstate(invalid="ignore", over="ignore"):
         # Each number is scaled to an integer with `digits` digits: with four digits, 0.01234 becomes 1234.

@@ -169,7 +169,7 @@ class DirectoryClaim:
                 self.file.touch()
 
     def find_other_claim(self) -> Path | None:
-        """Return the partial file of another active run that also claims the directory.
+        """Return the file with which another active run claims the same directory.
 
         Returns None if no other run is active in the directory.
 

@@ -94,7 +94,7 @@ def list_number_formats(kind: str) -> tuple[NumberFormat, ...]:
 
 
 def format_number(value: float, kind: str) -> str:
-    """Format a number in the format for its size; `kind`, such as "percent", selects a list of formats."""
+    """Format a number in the format that suits its size; `kind`, such as "percent", selects the list of formats."""
     return _choose_item_by_size(value, list_number_formats(kind)).format(value)
 
 
@@ -129,7 +129,7 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
 
 
 def _choose_item_by_size(value: float, items: Sequence[_Item]) -> _Item:
-    """Return the first item whose first element is at most |value| after rounding; count a value of 0 or NaN as 1."""
+    """Return the first item whose first element, after rounding, does not exceed |value|; 0 and NaN are taken as 1."""
     size = 1.0 if value == 0 or math.isnan(value) else abs(value)
     return next(item for item in items if size >= MIN_NUMBER_ROUNDED_TO_ONE * item[0])
 

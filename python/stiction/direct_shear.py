@@ -411,7 +411,7 @@ def _compute_shear_tests(
     num_steps = len(offsets)
 
     def solve(index: int) -> tuple[list[StepResult], xr.Dataset]:
-        """Solve the shear test number `index`, and return the results of all steps and a dataset with the closure."""
+        """Solve the shear test number `index`; return its results as a list of steps and a dataset with the closure."""
 
         def show_total_progress(num_finished: int, _: int) -> None:
             if progress is not None:

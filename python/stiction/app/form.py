@@ -65,7 +65,7 @@ def _field_html(flag: str, field: FormField) -> str:
 
 
 def page_data_json() -> str:
-    """Return the data for the script of the page as JSON, escaped for an HTML attribute.
+    """Return the data for the script of the app's page as JSON, escaped for an HTML attribute.
 
     The data are units of plain numbers, options with one value for both scans, and descriptions of the sliding rules.
     """

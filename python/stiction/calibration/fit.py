@@ -219,7 +219,7 @@ class CalibrationProblem:
         )
 
     def _compute_run_offset_vectors(self, central_coefficients: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Return how relative friction offsets in test runs shift the residuals: unit vectors, and norms of the shifts.
+        """Return the shifts of the residuals due to relative friction offsets of test runs, as unit vectors and norms.
 
         The unit vectors have the shape (runs, tests). The norms, with the shape (runs,), are in units of the errors.
         Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would bias
@@ -256,7 +256,7 @@ class CalibrationProblem:
         return float(np.sqrt(variance) / mean)
 
     def _compute_deviation_between_runs(self, scores: Floats) -> Floats:
-        """Return the relative standard deviation of friction between test runs for each nuisance sample."""
+        """Return the relative standard deviation of friction between test runs, per sample of nuisance parameters."""
         from scipy.special import ndtr
 
         if RUN_SPREAD_PARAMETER_NAME not in self.nuisances:
@@ -294,7 +294,7 @@ class CalibrationProblem:
     def _compute_residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-        """Return residuals of tests in which the pair slid, divided by the test errors, and equation coefficients.
+        """Return residuals of tests in which the pair slid, divided by errors, and equation coefficients of all tests.
 
         The residuals have the shape (points, tests that slid, ...), and are infinite at seizure. The coefficients
         include junction growth. mu0 and tau0 (GPa) have the shape (points, ...).
@@ -346,7 +346,7 @@ class CalibrationProblem:
             return strength
 
         def residuals_with_growth(points: Floats) -> Floats:
-            """Return the weighted residuals of the tests, with junction growth, for each row of fit parameters."""
+            """Return the weighted test residuals, with junction growth, for each set of fit parameters in `points`."""
             mu0, tau0 = np.transpose([to_strengths(x) for x in points])
             scales = np.full(len(points), error_scale)
             misfit, _ = self._compute_residuals(
@@ -498,7 +498,7 @@ class CalibrationProblem:
         return np.asarray(tau0_coefficient / mu0_coefficient)
 
     def _find_median_area_per_load(self, samples: Floats) -> Floats:
-        """Return the true area per load (1/GPa) of each test; with junction growth, it is the median of `samples`.
+        """Return the true area per load (1/GPa) of each test: the median of `samples` if the contacts grow under shear.
 
         Without growing contacts, A/F at the central inputs is returned. With friction at opposing contacts only, the
         friction of these contacts is higher than the measured coefficient, for which `area_per_load` is computed. The
@@ -868,10 +868,7 @@ class CalibrationProblem:
         return mu0, tau0, scores
 
     def _find_mu0_in_cells(self, limits: _GridLimits, point: Any, row: Any, tau0: Floats, column: Any) -> Floats:
-        """Convert fractional column numbers of the mu0 grids to mu0 at the given tau0.
-
-        Each tau0 has its own grid of mu0.
-        """
+        """Convert column indices of the mu0 grids, which may be fractions, to mu0; each tau0 has its own mu0 grid."""
         mu0_start, mu0_step = self._choose_mu0_grid_at_tau0(limits, point, row, tau0)
         return np.asarray(mu0_start + mu0_step * column)
 
@@ -907,7 +904,7 @@ class CalibrationProblem:
 
 
 def _concatenate_grids(grids: Sequence[_ProbabilityGrid]) -> _ProbabilityGrid:
-    """Join the probability grids of several batches of nuisance samples in one `_ProbabilityGrid`."""
+    """Join the probability grids of several batches of nuisance-parameter samples into one `_ProbabilityGrid`."""
     limits = [grid.limits for grid in grids]
     array_names = (
         "triangular_factors",

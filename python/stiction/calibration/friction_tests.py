@@ -1,4 +1,4 @@
-"""Friction tests: forces and areas summed over contacts, divided by the load, and uncertainty of the true area."""
+"""Friction tests: forces and areas per unit load, summed over contacts, and the uncertainty of the true area."""
 
 from __future__ import annotations
 
@@ -151,7 +151,7 @@ class AreaFactor:
         return None
 
     def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return two ratios at the onset of sliding: true area A to computed area, and friction to mu0 F + tau0 A.
+        """Return two ratios at the onset of sliding: true area A / computed area, and friction / (mu0 F + tau0 A).
 
         `samples` are samples of the inputs. The junction growth of the test replaces that of the law. At seizure the
         area is infinite, or the nominal area if tau0 is 0.
@@ -161,7 +161,7 @@ class AreaFactor:
 
 @dataclass(frozen=True, kw_only=True)
 class _FrictionTestSums:
-    """Sums of forces and areas over the contacts of one friction test, divided by the elastic normal load."""
+    """Sums of forces and areas over the contacts of one friction test, divided by the normal load without friction."""
 
     sums: Mapping[str, float]
     scatter: float = 0.0
@@ -189,7 +189,7 @@ class _BallAreaFactor(AreaFactor):
         return cls(inputs, f"ball {ball.radius:g}", ball.moduli, float(loss))
 
     def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return two ratios at the onset of sliding: area A to Hertz area, and 1 for friction to mu0 F + tau0 A."""
+        """Return two ratios at the onset of sliding: area A / Hertz area, and friction / (mu0 F + tau0 A) = 1."""
         area = np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
         return area * (1 - samples.get("area_loss", np.asarray(self.area_loss))), np.ones(())
 
@@ -226,7 +226,7 @@ class _AreaFactorFromResult(AreaFactor):
         return self.study_inputs.estimate("junction_growth")
 
     def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return two ratios at the onset of sliding: true area A to computed area, and friction to mu0 F + tau0 A.
+        """Return two ratios at the onset of sliding: true area A / computed area, and friction / (mu0 F + tau0 A).
 
         `samples` are samples of the inputs. The junction growth of the test replaces that of the law. At seizure the
         area is infinite, or the nominal area if tau0 is 0.
@@ -355,7 +355,7 @@ class FrictionTest:
 
     @cached_property
     def area_factor(self) -> AreaFactor:
-        """Ratio of the true contact area in the test to the computed area. It is always 1 for a load curve."""
+        """Ratio of the true contact area in the test to the computed area; 1 if the test is given as a load curve."""
         if isinstance(self.result, Ball):
             return _BallAreaFactor.from_ball(self.result)
         if isinstance(self.result, FrictionCurve):
@@ -392,7 +392,7 @@ def depends_on_junction_growth(friction: _FrictionTestSums, mu0: float, tau0: fl
 
 
 def find_pair_faults(tests: Sequence[FrictionTest], mu0: float, tau0: float) -> tuple[tuple[str, str], ...]:
-    """Return the faults that forbid quoting the friction of tested pairs at the loads of their tests.
+    """Return the faults in results of tested pairs that forbid quoting the friction at the loads of the tests.
 
     `mu0` and `tau0` (GPa) are the fitted ones, because those of the studies of the pairs may be placeholders.
 
@@ -421,7 +421,7 @@ def list_sliding_rules(result: Any) -> tuple[str, ...]:
 
 
 def evaluate_test_sums(test: FrictionTest, sliding: SlidingRule) -> _FrictionTestSums:
-    """Return sums of forces and areas over the contacts in a friction test, divided by the elastic normal load."""
+    """Return forces and areas summed over the contacts in a friction test, divided by the load without friction."""
     result, load = test.result, float(test.load)
     if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:
         raise ValueError("`wait` requires a result that pair() computed with a creep exponent")
@@ -435,7 +435,7 @@ def evaluate_test_sums(test: FrictionTest, sliding: SlidingRule) -> _FrictionTes
 
 
 def _interpolate_sums_per_load(curve: FrictionCurve, load: float) -> _FrictionTestSums:
-    """Interpolate a curve's sums of forces and areas over contacts, divided by the elastic load, at a load (mN)."""
+    """Interpolate forces and areas, summed over contacts and divided by the load without friction, at a load (mN)."""
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
         range_text = f"{loads.min():g} to {loads.max():g} mN"
@@ -453,7 +453,7 @@ def _interpolate_sums_per_load(curve: FrictionCurve, load: float) -> _FrictionTe
 
 
 def _average_sums_per_load(result: Any, load: float, sliding: SlidingRule) -> _FrictionTestSums:
-    """Return sums over contacts at a load (mN), averaged over members and divided by the elastic normal load."""
+    """Return means over members of forces and areas summed over contacts, divided by the load (mN) without friction."""
     dataset = getattr(result, "dataset", result)
     sums = (
         interpolate_member_sums(dataset, np.array([load]))

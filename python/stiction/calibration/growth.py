@@ -52,7 +52,7 @@ def find_best_mu0(residuals: ResidualFunction, start: Floats, tau0: Floats) -> t
 def find_tau0_range(
     sum_of_squares: Callable[[Floats], Floats], max_tau0: Floats, deviance_range: float
 ) -> tuple[Floats, Floats]:
-    """Return tau0 limits (GPa) beyond which the sum of squared residuals is over `deviance_range` above its minimum.
+    """Return tau0 limits (GPa) beyond which the sum of squared residuals exceeds its minimum by over `deviance_range`.
 
     Parameters
     ----------

@@ -30,7 +30,7 @@ class PlannedTests(NamedTuple):
 
 
 class PlanConditions(NamedTuple):
-    """Assumptions about further friction tests: number, relative error, hardness, and area per load of ball tests."""
+    """Assumptions about further friction tests: test count, relative error, hardness, and area per load on a ball."""
 
     num_tests: int
     # Median relative error of the coefficients that were measured so far, or `DEFAULT_RELATIVE_ERROR` if unknown.

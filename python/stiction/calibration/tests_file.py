@@ -84,7 +84,7 @@ def parse_friction_tests(path: str | Path, bodies: Mapping[str, Any]) -> tuple[F
 
 
 def _is_comment(line: str, bodies: Mapping[str, Any]) -> bool:
-    """Return whether a line starts with "#" as a comment does, and not with the name of a body, such as "#1"."""
+    """Return whether a line is a comment: it starts with "#", but not with a body name such as "#1"."""
     return line.startswith("#") and re.split("[\t;,]", line)[0].strip().rstrip("/") not in bodies
 
 

@@ -128,7 +128,7 @@ def _find_first_touching_pair(result: MemberSums) -> _ProfilePairAtApproach | No
 
 
 def _generate_middle_pair(result: MemberSums) -> _ProfilePairAtApproach | None:
-    """Return the first generated pair at the middle fractal dimension, and the approach at which figures show it.
+    """Return the first generated pair at the middle fractal dimension, and the approach (µm) of the pair in figures.
 
     The approach is the median of the approaches at which at least one pair touches. Returns None if no pair touches.
     """

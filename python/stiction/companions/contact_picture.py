@@ -235,7 +235,7 @@ def _build_map_picture_dataset(solution: PressedPair, table: ContactList) -> xar
 
 
 def _build_disc_map(lower: Surface, table: ContactList) -> NDArray[Any]:
-    """Return a map in which each contact is a disc at its position, with its area, filled with the contact's number."""
+    """Return a map that shows each contact as a disc of equal area at its position; pixels contain contact numbers."""
     contact_numbers, (dy, dx) = np.zeros(lower.heights.shape, np.int32), lower.spacing
     for number, (x, y, radius) in enumerate(zip(table.x, table.y, np.sqrt(table.area / np.pi), strict=True), 1):
         first_indices, last_indices = (
@@ -254,7 +254,7 @@ def _build_disc_map(lower: Surface, table: ContactList) -> NDArray[Any]:
 def build_contact_table(
     result: MemberSums, loads: ArrayLike, members: int | Sequence[int] | None = None
 ) -> pandas.DataFrame:
-    """Return a table with one row for each contact of the selected members, at given elastic loads (mN).
+    """Return a table with one row per contact of the selected members, at given normal loads without friction (mN).
 
     `Result.contacts` describes the columns.
     """
@@ -303,7 +303,7 @@ def _validate_member_indices(members: int | Sequence[int], available: list[int])
 def _select_members_at_loads(
     areas: xarray.DataArray, loads: Floats, indices: list[int] | None
 ) -> Iterator[tuple[float, int]]:
-    """Yield pairs of load (mN) and member index: selected members or, by default, the typical member at each load."""
+    """Yield each load (mN) with each selected member or, by default, with the typical member at this load."""
     for load in loads.tolist():
         if indices is not None:
             yield from ((load, index) for index in indices)

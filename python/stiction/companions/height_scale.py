@@ -153,7 +153,7 @@ def _find_enclosing_powers_of_two(low: float, high: float) -> Floats:
 
 
 def find_missing_factors(factors: Floats, solved_factors: Floats) -> Floats:
-    """Return the height factors to compute, so that friction can be interpolated at all requested height factors.
+    """Return the height factors to compute before friction can be interpolated at all requested height factors.
 
     These are the requested factors that cannot be interpolated or, if they are fewer, the powers of 2 that enclose
     those factors.
@@ -253,7 +253,7 @@ def compute_results_at_height_factors(
     result: StoredResult, factors: Any, scaled: ScaledBodies = "both", executor: Executor | None = None, *,
     progress: bool = False, announce: Callable[[str], Any] = lambda _: None,
 ) -> None:  # fmt: skip
-    """Compute and store results of a pair with scaled heights, from which friction at given height factors follows.
+    """Compute and store results of a pair with scaled heights, for interpolation of friction at given height factors.
 
     Each factor is stored as a separate result, so that finished factors are kept if the run is interrupted. `announce`
     is called with a line of text before each factor. Raises the errors of `evaluate_at_height_factors` and of

@@ -166,7 +166,7 @@ class ResolvedRoughness:
         return float(self.roughness.fraction_below(2 * self.shortest))
 
     def find_yield_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
-        """Estimate the cutoff (µm) at which the pressure of elastic contacts is `ratio` times the unfiltered pressure.
+        """Estimate the cutoff (µm) at which elastic contacts have `ratio` times the pressure of unfiltered contacts.
 
         The scans contain all wavelengths from the shortest resolved one. Returns the cutoff with its lower and upper
         limit.

@@ -331,7 +331,7 @@ def find_inputs_and_strengths(
 
 
 def _label_interface(study_inputs: Inputs, joint_samples: JointSamples) -> str:
-    """Return the label of an interface in the uncertainty budget, with the names of inputs sampled together with it."""
+    """Return the label of an interface in the uncertainty budget, including the names of jointly sampled inputs."""
     names = sorted(joint_samples.inputs, key=lambda name: name != "hardness")
     labels = [study_inputs.uncertain[name].label for name in names]
     if len(labels) > MAX_NAMED_SHARED_INPUTS:
@@ -340,7 +340,7 @@ def _label_interface(study_inputs: Inputs, joint_samples: JointSamples) -> str:
 
 
 def find_slope_drifts(attributes: Mapping[str, Any]) -> dict[str, float]:
-    """Return the standard deviation of ln(rms gap slope) due to roughness drift along a scan, for bodies with one scan.
+    """Return the standard deviation of ln(rms gap slope) between places on a body, from the drift in its single scan.
 
     The keys name the body with a single scan: upper scans or lower scans. The slope at another place on a body is
     assumed to differ by as much as the slopes at the two ends of the scan.

@@ -136,7 +136,7 @@ def compute_quantity_ratios(
 
 @dataclass(frozen=True)
 class _InputSamples:
-    """Random samples of uncertain inputs (probabilities and values) and of errors of means over scans and positions."""
+    """Random samples of the uncertain inputs, and of errors of means that are taken over scans or over positions."""
 
     probabilities: dict[str, Floats]
     scores: dict[str, Floats]
@@ -160,7 +160,7 @@ class InputSampler:
     def draw_samples(
         self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
     ) -> _InputSamples:
-        """Return samples of the uncertainty sources in `names`, which are drawn once and then cached.
+        """Return samples of the uncertainty sources in `names`; the samples are drawn on the first call, then cached.
 
         Inputs in `fixed` have the value at the given quantile.
         """
@@ -331,7 +331,7 @@ class CombinedIntervals:
     # ---- Friction ----------------------------------------------------------------------------------------------------
 
     def estimate_zero_coefficient(self) -> tuple[float, float, float]:
-        """Return a zero friction coefficient and its 95 % limits; NaN if it is not zero, or if mu0 and tau0 are exact.
+        """Return the friction coefficient with 95 % limits if it is 0; NaN otherwise, or if mu0 and tau0 are exact.
 
         Relative errors of such a coefficient are undefined. Therefore, the interval is computed from samples of mu0 and
         tau0. It contains the coefficient and the interval of its mean, and its lower limit is at least 0. The result is
@@ -625,7 +625,7 @@ class CombinedIntervals:
     def _insert_interface_samples(
         self, inputs: InputValues, samples: _InputSamples, strength_index: int
     ) -> InputValues:
-        """Return inputs in which joint samples of mu0 and tau0 from a calibrated interface replace independent samples.
+        """Return a copy of the inputs with joint samples of mu0, tau0 and the inputs shared with tests of an interface.
 
         The joint samples are sorted by the coefficient that they give, so quantiles of the joint samples are also
         quantiles of the coefficient.
@@ -746,7 +746,7 @@ def _interpolate_quantile(probability: float, values: NDArray[Any]) -> float:
 
 
 def extend_percentiles(percentiles: Floats, other_percentiles: Iterable[Floats]) -> Floats:
-    """Lower low and raise high percentiles of the friction coefficient to enclose all of `other_percentiles`.
+    """Widen the range of percentiles of the friction coefficient, so that it encloses all of `other_percentiles`.
 
     The median, and missing percentiles, are kept. NaN in the other percentiles is ignored.
     """

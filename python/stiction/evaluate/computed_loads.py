@@ -45,7 +45,7 @@ def find_loads_without_values(result: MemberSums, values: xarray.Dataset) -> lis
 
 
 def find_computed_load_range(result: MemberSums, values: xarray.Dataset | None = None) -> tuple[float, float]:
-    """Return the smallest and the largest computed elastic load (mN), averaged over members.
+    """Return the smallest and the largest computed load (mN) without friction, each averaged over members.
 
     If a selection from `Result.at` is given as `values`, only its cutoffs, or its dimensions D and amplitudes, are
     considered.

@@ -134,7 +134,7 @@ class AreaFunction:
     def _compute_area_at_pressure(
         self, pressure: Floats | None, load: ArrayLike, elastic_area: Floats, yield_exponent: ArrayLike | None
     ) -> Floats:
-        """Return the true area (µm²) of contacts that yield at `pressure` (GPa). For None, return the elastic area."""
+        """Return the true area (µm²) of contacts that yield at `pressure` (GPa), or of elastic contacts for None."""
         if pressure is None:
             return elastic_area
         exponent = self.yield_exponent if yield_exponent is None else yield_exponent
@@ -260,7 +260,7 @@ def compute_onset_area_and_friction_factors(
 
 
 def _estimate_contact_depths(result: MemberSums) -> Floats | None:
-    """Return the depth (µm) of an indentation as large as the average contact, for each cutoff and each loading step.
+    """Return the depth (µm) of indentations with the strain gradient of the contacts, for each cutoff and loading step.
 
     Returns None if the depth of the indentation that measured the hardness is unknown. The contacts have the true area
     at the measured hardness.

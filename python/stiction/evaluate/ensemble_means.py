@@ -139,7 +139,7 @@ def _add_statistic_dimension(table: xarray.Dataset, name: str) -> xarray.Variabl
 def compute_ensemble_friction(
     result: MemberSums | xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats
 ) -> xarray.DataArray:
-    """Return the friction coefficient mean(F_T) / mean(F_N) at elastic loads (mN), with its jackknife interval.
+    """Return the friction coefficient mean(F_T) / mean(F_N) and its jackknife interval, at loads without friction (mN).
 
     The means are taken over members and directions. The dimensions are cells, sliding, load, mu0, tau0 and statistic.
     The coefficient is NaN if mean(F_N) is not above 0.

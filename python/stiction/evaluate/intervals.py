@@ -214,7 +214,7 @@ class LoadCrossings:
         return np.minimum(*self._get_bracketing_values(values))
 
     def slope(self, values: Floats, reference_values: Floats) -> Floats:
-        """Return the slope of one quantity with respect to another, between the steps around each requested load."""
+        """Return the slope of one quantity against another, between the loading steps around each requested load."""
         index = np.maximum(self.index, 1)
         value_change, reference_change = (
             np.take_along_axis(curves, index, axis=-1) - np.take_along_axis(curves, index - 1, axis=-1)
@@ -432,7 +432,7 @@ def interval_around_mean(mean: ArrayLike, half_width: ArrayLike, is_signed: Arra
 
 @lru_cache(maxsize=32)
 def _compute_mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
-    """Return constants for the interval of a mean of `count` values, at several trial correlations of adjacent values.
+    """Return, for trial correlations of adjacent values, the constants in the interval of a mean of `count` values.
 
     With the correlation matrix R of the values, the constants are 1' R^-1 1, the variance of the mean relative to that
     of a value, and the two-sided 95 % quantile and the peak density of Student's t distribution.
@@ -468,7 +468,7 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
-    """Return the interval limits of the mean of each row, if numbers in a row are correlated with their neighbours.
+    """Return the interval limits of the mean of each row, whose numbers may be correlated with their neighbours.
 
     Returns NaN for rows of equal values.
 

@@ -366,7 +366,7 @@ class _EnsembleQuantities:
         status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
 
         def evaluate_cell(cell: tuple[int, ...], means: intervals.MeansAtLoads) -> dict[str, NDArray[Any]]:
-            """Store means for one roughness, direction and sliding rule; return ratios such as the mean pressure."""
+            """Store mean quantities for one roughness, direction and sliding rule, and return ratios of quantities."""
             for index, statistics in enumerate(estimates):
                 for array, curve_values in zip(statistics, (means.mean(index), *means.interval(index)), strict=True):
                     array[cell] = _reshape_curves(curve_values, self.shape)
@@ -437,7 +437,7 @@ def _reshape_curves(curve_table: NDArray[Any], shape: tuple[int, ...]) -> NDArra
 
 
 def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension: str) -> list[ContactSums]:
-    """Return sums of forces and areas over each member's contacts, then the sums that determine each named quantity.
+    """Return the sums of forces and areas over each member's contacts, and the sums that determine each named quantity.
 
     The first axes of each sum are sliding rule and direction. If a quantity is stored directly, it replaces the area in
     the returned sums.
@@ -492,7 +492,7 @@ def _compute_quantity_values(sums: ContactSums, quantity: str, law: FrictionLaw)
 def _average_sums(
     pieces: Iterable[xarray.Dataset], names: Sequence[str], operand_names: Sequence[str], step_dimension: str
 ) -> tuple[list[ContactSums], dict[str, Floats], int]:
-    """Average over all members the sums over contacts, and the numerators and denominators of ratios.
+    """Return means over all members of forces and areas summed over contacts, and of the two operands of each ratio.
 
     Returns averages of the sums, averages of the operands of ratios, and the number of members. The averages of the
     sums have an axis of length 1 for the members.

@@ -274,7 +274,7 @@ def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
 
 
 def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
-    """Return the contact status of each true area fraction, and replace fractions above 1 by 1 or NaN.
+    """Return the contact status of each true area fraction, and the fractions; fractions above 1 become 1 or NaN.
 
     Half-space fractions above 1 become 1. In the asperity model, they become NaN. The fractions have the shape (...,
     3).

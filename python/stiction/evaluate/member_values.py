@@ -164,7 +164,7 @@ def interpolate_member_sums(
     *,
     member_kind: MemberKind | None = None,
 ) -> xarray.Dataset:
-    """Return sums over the contacts of each member, such as forces and areas, interpolated at elastic loads (mN).
+    """Interpolate forces and areas, summed over each member's contacts, at normal loads without friction (mN).
 
     By default, these are the six sums that determine friction. The dimensions are cells, repetition, sliding, direction
     and load.
@@ -310,7 +310,7 @@ class _MemberForces:
     def at_elastic_loads(
         cls, contact_sums: Mapping[str, Floats], load_crossings: LoadCrossings, law: FrictionLaw
     ) -> _MemberForces:
-        """Compute normal and tangential loads of members at given elastic loads, from sums over their contacts."""
+        """Compute the normal and tangential load of each member at given loads without friction from `contact_sums`."""
         is_reached, is_below = (
             mask[..., None, None, :, None, None] for mask in (load_crossings.reached, load_crossings.below)
         )
@@ -371,10 +371,7 @@ def _grow_contacts(
 def _compute_opposing_fraction(
     piece: xarray.Dataset, member_dims: tuple[str, ...], contact_sums: Mapping[str, Floats]
 ) -> dict[str, Any]:
-    """Return, in a dictionary, the fraction of the load that acts on contacts whose slopes oppose the motion.
-
-    The dictionary is empty unless the result has both sliding rules.
-    """
+    """Return the load fraction on contacts whose slopes oppose the motion, or {} if there is only one sliding rule."""
     rules = piece["sliding"].values.tolist() if "sliding" in piece.dims else []
     if not {"opposing", "all"} <= set(rules):
         return {}
@@ -391,7 +388,7 @@ def _compute_opposing_fraction(
 def _interpolate_quantities(
     piece: xarray.Dataset, member_dims: tuple[str, ...], load_crossings: LoadCrossings, names: Collection[str] | None
 ) -> dict[str, Any]:
-    """Return the elastic load and the requested quantities, interpolated at the requested loads and keyed by name."""
+    """Return the load without friction and the requested quantities, interpolated at requested loads, by name."""
     step_dimension, variables = find_step_dimension(piece), {}
     for name in (*INTERPOLATED_QUANTITIES, *DISTRIBUTION_QUANTITIES):
         if name not in piece.variables or not (name == "normal_elastic" or is_requested(name, names)):
@@ -447,7 +444,7 @@ _STIFFNESS_NAMES_BY_DISPLACEMENT = {
 def _interpolate_displacements_and_stiffnesses(
     piece: xarray.Dataset, member_dims: tuple[str, ...], load_crossings: LoadCrossings, variables: dict[str, Any]
 ) -> None:
-    """Interpolate displacements δ and stiffnesses between computed loads F; keep the loading stiffness equal to dF/dδ.
+    """Interpolate displacements δ and stiffnesses between computed loads F, so that the loading stiffness stays dF/dδ.
 
     Between two computed loads, a displacement is the cubic in the logarithm of the load that has the stored
     displacements and stiffnesses. The loading stiffness is the inverse of the slope of this cubic. The unloading

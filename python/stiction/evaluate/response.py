@@ -117,7 +117,7 @@ class ClosureCurve:
         return np.cumsum(np.concatenate([self.closures[:1] * compliances[:1], steps]), axis=0)
 
     def interpolate(self, closures: Floats, load: Floats) -> Floats:
-        """Interpolate closures at given loads (mN) by power laws, which also extrapolate to other loads."""
+        """Interpolate closures at loads (mN), or extrapolate beyond the computed loads, by power laws."""
         log_loads, logs = np.log(self.loads), np.log(closures)
         index = np.clip(np.searchsorted(self.loads, load), 1, self.loads.size - 1)
         below, above = (
@@ -267,7 +267,7 @@ class ContactResponseToInputs:
         )
 
     def stiffness_ratios(self, inputs: InputValues, area_before_shear: Floats) -> tuple[Floats, ...]:
-        """Return loading, unloading and both closure stiffnesses, each divided by its value at the central inputs.
+        """Return loading, unloading and two closure stiffnesses, each as a ratio to its value at the central inputs.
 
         If E*, heights and hardness change by a common factor, the stiffness follows by similarity from the stiffness at
         the load divided by this factor. Any other change of the hardness acts through the true area. The stiffness

@@ -157,7 +157,7 @@ class _SampledCurves:
             self.has_no_solution = self.has_no_solution | ((weight > MIN_WEIGHT_NEAR_LIMIT) & is_lost)
 
     def sample(self, get_curve: Callable[[xr.Dataset], Floats]) -> Floats:
-        """Return one curve of the shear test for each input sample. The function `get_curve` reads a curve from a test.
+        """Return one curve of the shear test per input sample; `get_curve` reads the curve from the dataset of a test.
 
         Values are NaN for samples near a limit at which the curve is NaN.
         """

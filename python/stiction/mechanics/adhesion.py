@@ -300,7 +300,7 @@ class AdhesionSolver:
             state.attraction = next_attraction
 
     def _solution_tolerance(self, state: _IterationState) -> float:
-        """Return the tolerance of the next contact solution, which is coarse as long as the attraction changes.
+        """Return the tolerance of the next contact solution, which decreases with the residual of the iteration.
 
         The tolerance is proportional to the residual of the iteration, within limits.
         """

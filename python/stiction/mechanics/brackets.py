@@ -25,7 +25,7 @@ EXTRAPOLATED_WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
 def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
-    """Return the factor by which κ = A E* h'/F (h': rms gradient) changes at most, in 95 % of cases, in a finer scan.
+    """Return the factor that limits, in 95 % of cases, the change of κ = A E* h'/F (h': rms gradient) in a finer scan.
 
     The coefficient κ = A E* h'/F relates the real contact area A to the load F and to the rms gradient h'.
 

@@ -499,7 +499,7 @@ def _get_sum(sums: Any, name: str) -> Any:
 
 
 def sums_per_load(sums: Mapping[str, Any]) -> dict[str, float]:
-    """Return the contributions to normal and tangential load, each divided by the elastic normal load."""
+    """Return the sums that determine normal and tangential load, each divided by the normal load without friction."""
     return {name: float(sums[name] / sums["normal_elastic"]) for name in LOAD_SUM_NAMES}
 
 
@@ -592,7 +592,7 @@ def choose_statuses(
 
 
 def statuses_of_approaches(contact_count: ArrayLike, normal: Floats) -> NDArray[Any]:
-    """Return one status for each contact count and normal load (mN): "ok", "self-locked" or "no-contact"."""
+    """Return the status "ok", "self-locked" or "no-contact" for each pair of contact count and normal load (mN)."""
     return choose_statuses(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 

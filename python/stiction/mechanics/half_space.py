@@ -679,7 +679,7 @@ def _make_curve(
 def _compute_contact_sums(
     model: ContactModel, contacts: Sequence[ContactSolution], sums: PatchSums
 ) -> dict[str, Floats]:
-    """Return forces and areas, summed over all contacts, by name; the last axis counts the contact solutions.
+    """Return forces and areas, summed over all contacts, by name; the last axis is the index of the contact solution.
 
     Arrays have the shape (k,) or, if they depend on the direction and the model has a list of d directions, (d, k).
     """

@@ -43,7 +43,7 @@ def approach_at_load(
     tau0: float = 0.0,
     **contact: Unpack[ContactModelArguments],
 ) -> Floats:
-    """Find the smallest approach (µm) at which two surfaces support each of the given normal loads.
+    """Find, for each given normal load, the smallest approach (µm) at which two surfaces support this load.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ class SurfacePair:
 def find_approaches_at_loads(
     bodies: SurfacePair, loads: Floats, *, mu0: float, tau0: float, model: ContactModel
 ) -> tuple[Floats, NDArray[np.str_]]:
-    """Return for each load (mN) the smallest approach (µm) that supports it, and "ok" or why the approach is NaN."""
+    """Return the smallest approach (µm) that supports each load (mN), with the status "ok" or the reason for NaN."""
 
     def normal_load(sums: ContactSums) -> Floats:
         return friction.FrictionLaw(mu0, tau0).load("normal", sums)

@@ -58,7 +58,7 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
 
 
 def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
-    """Return mean sin² φ of each elliptic contact; φ is the angle between the motion and the line to a loaded point.
+    """Return mean sin² φ per contact; φ is the angle between the motion and the line from its centre to a loaded point.
 
     The mean is the `transverse_fraction` of `compliance_ratio`. `axes` are the semi-axes, and `angle` (rad) is the
     angle between the motion and the larger semi-axis.
@@ -148,7 +148,7 @@ class AsperityTangentialProblem:
         return float(((strength * slip_distance * sine) @ weights * end_angle[:, 0]).sum())
 
     def _spring_strengths(self, sine: Floats) -> Floats:
-        """Return the strengths (mN) of springs that model each contact: 3/4 mu0 F s² + 2/π tau0 A s at s = `sine`."""
+        """Return the strengths (mN) of springs that model each contact, 3/4 mu0 F s² + 2/π tau0 A s with s = `sine`."""
         return np.asarray(
             0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
         )

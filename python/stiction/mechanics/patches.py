@@ -68,7 +68,7 @@ class PatchSums:
         return np.asarray(self.leaning > np.repeat(MAX_LEVEL_PATCH_SLOPE * self.steepness, patch_counts) * self.force)
 
     def totals(self, sliding: SlidingRule) -> dict[str, Floats]:
-        """Return area (µm²) and normal force (mN) of all patches, and the force and area sums that determine friction.
+        """Return the total area (µm²) and normal force (mN) of all patches, and the sums that determine friction.
 
         Sums have the shape (k,) or, if they depend on the direction, (directions, k).
         """

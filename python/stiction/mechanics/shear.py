@@ -521,7 +521,7 @@ def _compute_measured_area(upper: Profile | Surface, lower: Profile | Surface) -
 def _search_elastic_load(
     compare_load: Callable[[float], tuple[float, float]], load_guess: float, load: float, max_load: float
 ) -> Status:
-    """Search for the frictionless load (mN) at which the normal load reaches its target, and return a status.
+    """Search for the load without friction (mN) at which the normal load reaches its target, and return a status.
 
     The load without friction is the elastic load. `compare_load` returns the excess of the normal load over its target,
     and the target, at an elastic load (mN). The method is a bracketed secant method. The last call of `compare_load` is

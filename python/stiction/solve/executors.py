@@ -144,7 +144,7 @@ def _can_be_copied() -> bool:
 
 
 def _send_value(function: Callable[[], Any], receiver: Connection, sender: Connection) -> None:
-    """Send the value of a function to the original process, or end silently after an error or Ctrl-C.
+    """Send the value of a function to the original process; after an error or Ctrl-C, end without a message.
 
     The copy also ends if the original process is killed.
     """

@@ -309,7 +309,7 @@ def precompute_candidates(upper: Any, lower: Any, max_approach: float, model: Co
 
 @dataclass(frozen=True, eq=False)
 class PressedPair:
-    """Two bodies in contact at one elastic load, with the solution of the contact."""
+    """Two bodies in contact at one normal load without friction, with the solution of the contact."""
 
     upper: Any
     lower: Any
@@ -318,7 +318,7 @@ class PressedPair:
 
     @classmethod
     def solve(cls, study: Study, pair: tuple[Any, Any], load: float) -> PressedPair | None:
-        """Solve the contact of two bodies at an elastic load (mN), or return None if the solver fails."""
+        """Solve the contact of two bodies at a normal load (mN) without friction; return None if the solver fails."""
         upper, lower = pair
         contact = study.contact
         if isinstance(contact, HalfSpaceSettings):
@@ -498,7 +498,7 @@ def sum_over_members(
 
 
 def estimate_thread_time_factor(study: Study) -> float:
-    """Estimate the factor by which members take longer if several threads compute one member each.
+    """Estimate the factor by which a member takes longer to compute while other threads compute further members.
 
     The factor was measured without adhesion.
     """
@@ -523,14 +523,14 @@ def estimate_member_iterations(study: Study, member: int | None = None) -> float
 
 
 def _estimate_iteration_growth(study: Study) -> float:
-    """Estimate the ratio of the iterations per load, without adhesion, to `ITERATIONS_PER_LOAD`."""
+    """Estimate the ratio of the iterations per load without adhesion to the typical number `ITERATIONS_PER_LOAD`."""
     if not study.is_areal:
         return 1.0
     return math.pow(max(1.0, count_grid_points(study) / MAX_POINTS_OF_TYPICAL_ITERATIONS), ITERATION_GROWTH_EXPONENT)
 
 
 def _estimate_additional_work(study: Study, member: int | None) -> float:
-    """Estimate the work of a member for elastic area and unloading stiffness, in numbers of solutions per load.
+    """Estimate the extra work for elastic area and unloading stiffness of a member, as a number of solutions per load.
 
     For lines, the time of a solution includes the unloading stiffness, which all members have.
     """
@@ -545,7 +545,7 @@ def _estimate_additional_work(study: Study, member: int | None) -> float:
 
 
 def _find_members_with_additional_work(study: Study) -> range:
-    """Return the range of members that includes all for which more than the solution and the stiffness is computed."""
+    """Return a range of members that includes all whose elastic area or unloading stiffness must be computed."""
     if not (study.is_measured and study.uses_half_space) or study.contact.hardness is None:
         return range(0)
     num_unloading_members = study.surfaces.first_scan_member_index + NUM_UNLOADING_MEMBERS if study.is_areal else 0

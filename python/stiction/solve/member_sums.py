@@ -163,7 +163,7 @@ class MemberSums:
 
     @cached_property
     def mean_elastic_loads(self) -> xarray.DataArray:
-        """Mean elastic load (mN) at each loading step, over all solved members."""
+        """Normal load (mN) without friction at each loading step, averaged over all solved members."""
         return share_read_only(self.means(["normal_elastic"]))["normal_elastic"]
 
     def load_companion(self, read: Callable[[StoredResult], _Value | None]) -> _Value | None:

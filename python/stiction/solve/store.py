@@ -325,7 +325,7 @@ class StoredResult:
 
     @contextmanager
     def _convert_read_errors(self, block: BlockFile) -> Iterator[None]:
-        """Convert errors that occur while a block file is read to a `StoreError` with the name of the file."""
+        """Convert errors that occur during the reading of a block file to a `StoreError` that names the block file."""
         try:
             yield
         except OSError as error:
@@ -643,7 +643,7 @@ def remove_result(stored_result: StoredResult, claim: DirectoryClaim) -> None:
 
 
 def _check_resumable(stored_result: StoredResult) -> None:
-    """Raise a `StoreError` if stored blocks belong to another study, or if this version cannot complete the result."""
+    """Raise a `StoreError` if a result cannot be completed with its present study, stiction version and machine."""
     if not stored_result.blocks:
         return
     path, content, num_members = (

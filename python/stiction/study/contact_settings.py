@@ -551,7 +551,7 @@ class AsperitySettingsForGeneratedSurfaces(AsperityModelSettings, GeneratedSurfa
 
 
 class AsperitySettingsForGeneratedProfiles(AsperitySettingsForGeneratedSurfaces):
-    """Section `[contact]` of a study of generated profiles with the asperity model."""
+    """Section `[contact]` of a study that applies the asperity model to generated profiles."""
 
     place: ClassVar[str] = "asperities of generated lines"
 
@@ -559,7 +559,7 @@ class AsperitySettingsForGeneratedProfiles(AsperitySettingsForGeneratedSurfaces)
 
 
 class AsperitySettingsForGeneratedMaps(AsperitySettingsForGeneratedSurfaces):
-    """Section `[contact]` of a study of generated height maps with the asperity model."""
+    """Section `[contact]` of a study that applies the asperity model to generated height maps."""
 
     place: ClassVar[str] = "asperities of generated areas"
 
@@ -567,14 +567,14 @@ class AsperitySettingsForGeneratedMaps(AsperitySettingsForGeneratedSurfaces):
 
 
 class AsperitySettingsForMeasuredLines(AsperityModelSettings, ContactSettingsForMeasuredLines):
-    """Section `[contact]` of a study of measured profiles and scan lines of maps with the asperity model."""
+    """Section `[contact]` of a study that applies the asperity model to measured profiles or to scan lines of maps."""
 
     place: ClassVar[str] = "asperities of measured lines"
     onset: ClassVar[None] = None
 
 
 class AsperitySettingsForMeasuredMaps(AsperityModelSettings, ContactSettingsForMeasuredMaps):
-    """Section `[contact]` of a study of measured height maps with the asperity model."""
+    """Section `[contact]` of a study that applies the asperity model to measured height maps."""
 
     place: ClassVar[str] = "asperities of measured areas"
     onset: ClassVar[None] = None
@@ -583,25 +583,25 @@ class AsperitySettingsForMeasuredMaps(AsperityModelSettings, ContactSettingsForM
 
 
 class HalfSpaceSettingsForGeneratedProfiles(HalfSpaceSettings, GeneratedSurfaceLoadSettings):
-    """Section `[contact]` of a study of generated profiles with the half-plane model."""
+    """Section `[contact]` of a study that applies the half-plane model to generated profiles."""
 
     place: ClassVar[str] = "the half-space of generated lines"
 
 
 class HalfSpaceSettingsForGeneratedMaps(HalfSpaceSettings, GeneratedSurfaceLoadSettings):
-    """Section `[contact]` of a study of generated height maps with the half-space model."""
+    """Section `[contact]` of a study that applies the half-space model to generated height maps."""
 
     place: ClassVar[str] = "the half-space of generated areas"
 
 
 class HalfSpaceSettingsForMeasuredLines(HalfSpaceSettings, ContactSettingsForMeasuredLines):
-    """Section `[contact]` of a study of measured profiles and scan lines of maps with the half-plane model."""
+    """Section `[contact]` of a study that applies the half-plane model to measured profiles or scan lines of maps."""
 
     place: ClassVar[str] = "the half-space of measured lines"
 
 
 class HalfSpaceSettingsForMeasuredMaps(HalfSpaceSettings, ContactSettingsForMeasuredMaps):
-    """Section `[contact]` of a study of measured height maps with the half-space model."""
+    """Section `[contact]` of a study that applies the half-space model to measured height maps."""
 
     place: ClassVar[str] = "the half-space of measured areas"
 
@@ -690,7 +690,7 @@ def parse_contact_settings(
 
 
 def _add_loads_outside_range(given_loads: Floats, margin: float, num_loads: int) -> Floats:
-    """Merge given loads (mN) with a geometric progression of `num_loads` loads that extends beyond them at both ends.
+    """Merge given loads (mN) with a geometric series of `num_loads` loads that extends below and above the given loads.
 
     The progression begins below the smallest given load and ends above the largest, each by the factor `margin`. Loads
     of the progression that equal a given load are omitted.

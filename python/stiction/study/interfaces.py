@@ -484,7 +484,7 @@ def has_growth_of_tests(growth: UncertainInput | None, test_growth: UncertainInp
 
 
 def compute_coverage_at_bound(values: Floats) -> float:
-    """Return the interval coverage for a fit with mu0 = 0 or tau0 = 0, from samples of this parameter in a free fit.
+    """Return the interval coverage for a fit with mu0 = 0 or tau0 = 0, from samples of that parameter if fitted.
 
     A normal density falls to exp(-z²/2) of its maximum at z standard deviations. At 0, where the density falls to
     exp(-d²/2), the part of the 95 % region with z² < 1.96² - d² remains. This probability is 95 % if the density at 0
@@ -775,7 +775,7 @@ class InterfaceSettings(SettingsSection):
         })  # fmt: skip
 
     def find_current_entry(self) -> InterfaceSettings | None:
-        """Create the study entry from the interface file again, or return None if the file is missing or has changed.
+        """Return the study entry of the present interface file, or None if it is unreadable or its mu0 or tau0 changed.
 
         A changed file has other central values of mu0 or tau0. The ranges are not compared, because the rule for
         intervals of a fit depends on the version of the program that stored the entry.

@@ -93,7 +93,7 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
         return float(self.cell_coordinates()["cut_off"][0])
 
     def get_scan_cut_offs(self, wavelength: float) -> ScanCutoffs:
-        """Return the cutoff (µm, 0 for no filter) of each scan of both bodies, which is at most the given cutoff."""
+        """Return the cutoffs (µm) of all scans of both bodies: the given cutoff or, if smaller, the scan's maximum."""
         upper, lower = (
             tuple(scan.select_cut_off_of_scan(wavelength) for scan in getattr(self, side).scans) for side in SIDES
         )
