@@ -1,5 +1,6 @@
 #include "stiction/half_space.hpp"
 
+#include "chunk_sums.hpp"
 #include "multiversion.hpp"
 #include "stiction/dense_kernel.hpp"
 #include "stiction/preconditioner.hpp"
@@ -38,6 +39,8 @@ constexpr std::int64_t max_coarse_iterations = 100;
 constexpr int max_exact_evaluations = 20;
 // Relative tolerance of displacements that should be equal. The compliance then has a relative error of about 1e-7.
 constexpr double compliance_tolerance = 1e-3;
+// At this relative difference of displacements, negative pressures at fixed contact points are not iteration errors.
+constexpr double sign_tolerance = 1e-5;
 // On free lines, errors of the compliance are not of second order, so this factor reduces `compliance_tolerance`.
 constexpr double difference_tolerance = 0.03;
 // Up to this number of contact points, solving with a dense matrix is faster than with transforms of the grid.
@@ -472,6 +475,135 @@ std::vector<double> solve_dense(Values influence, const Grid& grid, const std::v
   return is_positive ? pressure : std::vector<double>();
 }
 
+// Return the response of fixed contact points of an area, computed by preconditioned conjugate gradients.
+// In contrast to contact pressures, the pressures have no bounds during the iterations. Bounds would delay convergence:
+// the first step leaves no pressure at many points inside contacts, because their pressures are far below the mean.
+// Returns no response if a pressure is negative, which round-off may cause at single-point contacts.
+std::optional<LinearResponse> respond_on_area(const HalfSpaceGrids& grids, const std::vector<std::size_t>& points,
+                                              SolverMemory& memory, const ThreadPool& pool) {
+  struct Sums {
+    double potential = 0.0;
+    double pressure = 0.0;
+    double preconditioned = 0.0;
+    double response = 0.0;
+    double product = 0.0;
+    double curvature = 0.0;
+    double max_gap = 0.0;
+    double min_pressure = 0.0;
+
+    void add(const Sums& other) {
+      potential += other.potential;
+      pressure += other.pressure;
+      preconditioned += other.preconditioned;
+      response += other.response;
+      product += other.product;
+      curvature += other.curvature;
+      max_gap = std::max(max_gap, other.max_gap);
+      min_pressure = std::min(min_pressure, other.min_pressure);
+    }
+  };
+  const auto sum_over_points = [&](const auto& add_point) {
+    return sum_chunks<Sums>(points.size(), points_per_task, pool, [&](std::size_t first, std::size_t last) {
+      Sums partial;
+      for (std::size_t k = first; k < last; ++k) {
+        add_point(points[k], partial);
+      }
+      return partial;
+    });
+  };
+  const auto kernels = grids.kernels(0, pool);
+  const Grid& grid = grids.levels()[0];
+  const auto count = static_cast<double>(points.size());
+  std::vector<std::int32_t> indices(points.size());
+  std::vector<std::size_t> rows;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    indices[k] = static_cast<std::int32_t>(points[k]);
+    if (rows.empty() || rows.back() != points[k] / grid.columns) {
+      rows.push_back(points[k] / grid.columns);
+    }
+  }
+  Preconditioner precondition(grid, kernels.points->stencil(), *kernels.blocks, std::move(memory.preconditioner));
+  std::vector<double> pressure(grid.size(), 0.0);
+  std::vector<double>& potential = memory.cg.potential;
+  std::vector<float>& residual = memory.cg.residual;
+  std::vector<float>& direction = memory.cg.step;
+  std::vector<float>& response = memory.response;
+  potential.resize(grid.size());
+  response.resize(grid.size());
+  residual.assign(grid.size(), 0.0F);
+  direction.assign(grid.size(), 0.0F);
+  const auto displace = [&] { kernels.points->displacement(direction, response, memory.workspace, pool, rows); };
+  // The first pressures displace all points approximately equally.
+  for (const std::size_t i : points) {
+    residual[i] = 1.0F;
+  }
+  std::span<const float> preconditioned = precondition(indices, residual, memory.workspace, pool);
+  const double first_sum = sum_over_points([&](std::size_t i, Sums& sums) {
+                             sums.pressure += static_cast<double>(preconditioned[i]);
+                           }).pressure;
+  for (const std::size_t i : points) {
+    pressure[i] = first_sum > 0.0 ? static_cast<double>(preconditioned[i]) / first_sum : 1.0 / count;
+    direction[i] = static_cast<float>(pressure[i]);
+  }
+  displace();
+  for (const std::size_t i : points) {
+    potential[i] = static_cast<double>(response[i]);
+  }
+  std::optional<LinearResponse> result;
+  double curvature = 0.0;
+  for (std::int64_t iteration = 0; iteration < max_iterations; ++iteration) {
+    const double mean =
+        sum_over_points([&](std::size_t i, Sums& sums) { sums.potential += potential[i]; }).potential / count;
+    const Sums errors = sum_over_points([&](std::size_t i, Sums& sums) {
+      const double gap = mean - potential[i];
+      residual[i] = static_cast<float>(gap);
+      sums.max_gap = std::max(sums.max_gap, std::abs(gap));
+      sums.min_pressure = std::min(sums.min_pressure, pressure[i]);
+      sums.product += pressure[i] * potential[i];
+    });
+    const double relative_error = errors.max_gap / std::abs(mean);
+    if (relative_error <= compliance_tolerance && errors.min_pressure >= 0.0) {
+      result = LinearResponse{errors.product, std::move(pressure)};
+      break;
+    }
+    if (!(relative_error > sign_tolerance)) {
+      break;
+    }
+    preconditioned = precondition(indices, residual, memory.workspace, pool);
+    const Sums before = sum_over_points([&](std::size_t i, Sums& sums) {
+      const auto value = static_cast<double>(preconditioned[i]);
+      sums.preconditioned += value;
+      sums.response += static_cast<double>(response[i]);
+      sums.product += value * static_cast<double>(response[i]);
+    });
+    const double shift = before.preconditioned / count;
+    const double beta = iteration == 0 ? 0.0 : std::max((shift * before.response - before.product) / curvature, 0.0);
+    // Round-off of the directions must not change the total load.
+    for (const std::size_t i : points) {
+      const double previous = iteration == 0 ? 0.0 : static_cast<double>(direction[i]);
+      direction[i] = static_cast<float>(static_cast<double>(preconditioned[i]) - shift + beta * previous);
+    }
+    displace();
+    const Sums step = sum_over_points([&](std::size_t i, Sums& sums) {
+      const auto change = static_cast<double>(direction[i]);
+      sums.pressure += change;
+      sums.product += change * static_cast<double>(residual[i]);
+      sums.curvature += change * static_cast<double>(response[i]);
+    });
+    curvature = step.curvature;
+    const double length = step.product / curvature;
+    if (!(curvature > 0.0) || !std::isfinite(length)) {
+      break;
+    }
+    for (const std::size_t i : points) {
+      pressure[i] += length * static_cast<double>(direction[i]);
+      potential[i] += length * static_cast<double>(response[i]);
+    }
+  }
+  memory.preconditioner = precondition.take_arrays();
+  return result;
+}
+
 }  // namespace
 
 HalfSpaceGrids::HalfSpaceGrids(const Grid& finest, double effective_modulus)
@@ -782,8 +914,13 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
       }
     }
   }
-  const auto kernels = grids.kernels(0, pool);
   const auto memory = grids.borrow_memory();
+  if (!grid.line) {
+    if (std::optional<LinearResponse> response = respond_on_area(grids, points, *memory, pool)) {
+      return *std::move(response);
+    }
+  }
+  const auto kernels = grids.kernels(0, pool);
   std::vector<double> bound(in_contact.size(), 0.0);
   for (const std::size_t i : points) {
     bound[i] = std::numeric_limits<double>::infinity();

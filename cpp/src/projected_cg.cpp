@@ -1,5 +1,6 @@
 #include "stiction/projected_cg.hpp"
 
+#include "chunk_sums.hpp"
 #include "multiversion.hpp"
 
 #include <algorithm>
@@ -147,20 +148,6 @@ std::size_t point(const std::vector<std::int32_t>& points, std::size_t k) {
   return static_cast<std::size_t>(points[k]);
 }
 
-// Chunk results are added in a fixed order, whatever the number of threads.
-template <class Sums, class Work>
-Sums sum_chunks(std::size_t count, const ThreadPool& pool, const Work& work) {
-  std::vector<Sums> chunk_sums(std::max<std::size_t>((count + free_points_per_task - 1) / free_points_per_task, 1));
-  pool.run_chunks(count, free_points_per_task, [&](std::size_t first, std::size_t last) {
-    chunk_sums[first / free_points_per_task] = work(first, last);
-  });
-  Sums total = chunk_sums[0];
-  for (std::size_t chunk = 1; chunk < chunk_sums.size(); ++chunk) {
-    total.add(chunk_sums[chunk]);
-  }
-  return total;
-}
-
 // Return the shift for which pressures - shift, clipped to the range from 0 to the bounds, have the given sum.
 // The sum is a decreasing, piecewise linear function of the shift, solved by Newton's method within a bracket.
 double shift_to_sum(std::span<const double> pressure, std::span<const double> bound, double sum,
@@ -169,9 +156,10 @@ double shift_to_sum(std::span<const double> pressure, std::span<const double> bo
   double right = std::numeric_limits<double>::infinity();
   double shift = 0.0;
   for (int count = 0; count < max_newton_steps; ++count) {
-    const ClippedSum current = sum_chunks<ClippedSum>(pressure.size(), pool, [&](std::size_t first, std::size_t last) {
-      return clipped_sum(&pressure[first], &bound[first], last - first, shift);
-    });
+    const ClippedSum current =
+        sum_chunks<ClippedSum>(pressure.size(), free_points_per_task, pool, [&](std::size_t first, std::size_t last) {
+          return clipped_sum(&pressure[first], &bound[first], last - first, shift);
+        });
     const double excess = current.sum - sum;
     if (std::abs(excess) <= 1e-15 * sum) {
       return shift;
@@ -300,8 +288,8 @@ double ProjectedCgSolver::update_free_points(const ThreadPool& pool) {
   }
   // `stepped_points_` contains every point whose pressure is strictly between its bounds.
   const float* response = pending_fraction_ != 0.0 ? pending_response_.data() : residual_.data();
-  const ClippedSum between =
-      sum_chunks<ClippedSum>(stepped_points_.size(), pool, [&](std::size_t first, std::size_t last) {
+  const ClippedSum between = sum_chunks<ClippedSum>(
+      stepped_points_.size(), free_points_per_task, pool, [&](std::size_t first, std::size_t last) {
         ClippedSum partial;
         for (std::size_t k = first; k < last; ++k) {
           const std::size_t i = point(stepped_points_, k);
@@ -338,15 +326,16 @@ double ProjectedCgSolver::update_free_points(const ThreadPool& pool) {
       sum += other.sum;
     }
   };
-  const Gaps gaps = sum_chunks<Gaps>(free_points_.size(), pool, [&](std::size_t first, std::size_t last) {
-    Gaps partial;
-    for (std::size_t k = first; k < last; ++k) {
-      const double gap = potential_[point(free_points_, k)] - approach_;
-      partial.max_distance = std::max(partial.max_distance, std::abs(gap));
-      partial.sum += gap;
-    }
-    return partial;
-  });
+  const Gaps gaps =
+      sum_chunks<Gaps>(free_points_.size(), free_points_per_task, pool, [&](std::size_t first, std::size_t last) {
+        Gaps partial;
+        for (std::size_t k = first; k < last; ++k) {
+          const double gap = potential_[point(free_points_, k)] - approach_;
+          partial.max_distance = std::max(partial.max_distance, std::abs(gap));
+          partial.sum += gap;
+        }
+        return partial;
+      });
   mean_potential_ = approach_ + (free_points_.empty() ? 0.0 : gaps.sum / static_cast<double>(free_points_.size()));
   return std::isfinite(mean_potential_) ? gaps.max_distance : std::numeric_limits<double>::infinity();
 }
@@ -455,7 +444,7 @@ bool ProjectedCgSolver::hold_points_at_bounds(std::span<const float> preconditio
     }
   };
   const std::size_t size = free_points_.size();
-  const Sums before = sum_chunks<Sums>(size, pool, [&](std::size_t first, std::size_t last) {
+  const Sums before = sum_chunks<Sums>(size, free_points_per_task, pool, [&](std::size_t first, std::size_t last) {
     Sums partial;
     for (std::size_t k = first; k < last; ++k) {
       partial.value += static_cast<double>(preconditioned[point(free_points_, k)]);
@@ -467,7 +456,7 @@ bool ProjectedCgSolver::hold_points_at_bounds(std::span<const float> preconditio
     const double direction = static_cast<double>(preconditioned[i]) - mean;
     return ((pressure_[i] <= 0.0) & (direction < 0.0)) | ((pressure_[i] >= bound_at(i)) & (direction > 0.0));
   };
-  const Sums after = sum_chunks<Sums>(size, pool, [&](std::size_t first, std::size_t last) {
+  const Sums after = sum_chunks<Sums>(size, free_points_per_task, pool, [&](std::size_t first, std::size_t last) {
     Sums partial;
     for (std::size_t k = first; k < last; ++k) {
       const std::size_t i = point(free_points_, k);
@@ -541,22 +530,23 @@ std::span<const float> ProjectedCgSolver::step(std::span<const float> preconditi
   };
   target_.resize(size);
   free_bounds_.resize(size);
-  const Products sums = sum_chunks<Products>(size, pool, [&](std::size_t first, std::size_t last) {
-    Products partial;
-    for (std::size_t k = first; k < last; ++k) {
-      const std::size_t i = point(free_points_, k);
-      const double value = preconditioned_[k];
-      free_bounds_[k] = bound_at(i);
-      partial.load += pressure_[i];
-      partial.value += value;
-      if (conjugate_) {
-        partial.step += static_cast<double>(step_[i]);
-        partial.response += static_cast<double>(response[i]);
-        partial.product += value * static_cast<double>(response[i]);
-      }
-    }
-    return partial;
-  });
+  const Products sums =
+      sum_chunks<Products>(size, free_points_per_task, pool, [&](std::size_t first, std::size_t last) {
+        Products partial;
+        for (std::size_t k = first; k < last; ++k) {
+          const std::size_t i = point(free_points_, k);
+          const double value = preconditioned_[k];
+          free_bounds_[k] = bound_at(i);
+          partial.load += pressure_[i];
+          partial.value += value;
+          if (conjugate_) {
+            partial.step += static_cast<double>(step_[i]);
+            partial.response += static_cast<double>(response[i]);
+            partial.product += value * static_cast<double>(response[i]);
+          }
+        }
+        return partial;
+      });
   const double mean = sums.value / count;
   const double mean_step = sums.step / count;
   double beta = conjugate_ ? std::max((mean * sums.response - sums.product) / curvature_, 0.0) : 0.0;
@@ -576,7 +566,7 @@ std::span<const float> ProjectedCgSolver::step(std::span<const float> preconditi
   };
   const auto compute_target = [&] {
     const double length = steepest_descent_ ? descent_length_ : step_length_;
-    const Target all = sum_chunks<Target>(size, pool, [&](std::size_t first, std::size_t last) {
+    const Target all = sum_chunks<Target>(size, free_points_per_task, pool, [&](std::size_t first, std::size_t last) {
       Target partial;
       for (std::size_t k = first; k < last; ++k) {
         const std::size_t i = point(free_points_, k);
@@ -648,16 +638,17 @@ bool ProjectedCgSolver::advance(std::span<const float> response, const ThreadPoo
       curvature += other.curvature;
     }
   };
-  const Energy energy = sum_chunks<Energy>(stepped_points_.size(), pool, [&](std::size_t first, std::size_t last) {
-    Energy partial;
-    for (std::size_t k = first; k < last; ++k) {
-      const std::size_t i = point(stepped_points_, k);
-      const auto change = static_cast<double>(step_[i]);
-      partial.descent += change * (mean_potential_ - potential_[i]);
-      partial.curvature += change * static_cast<double>(response[i]);
-    }
-    return partial;
-  });
+  const Energy energy =
+      sum_chunks<Energy>(stepped_points_.size(), free_points_per_task, pool, [&](std::size_t first, std::size_t last) {
+        Energy partial;
+        for (std::size_t k = first; k < last; ++k) {
+          const std::size_t i = point(stepped_points_, k);
+          const auto change = static_cast<double>(step_[i]);
+          partial.descent += change * (mean_potential_ - potential_[i]);
+          partial.curvature += change * static_cast<double>(response[i]);
+        }
+        return partial;
+      });
   const double optimum = energy.descent / energy.curvature;
   if (!(energy.descent > 0.0) || !(energy.curvature > 0.0) || !std::isfinite(optimum)) {
     (steepest_descent_ ? descent_length_ : step_length_) *= failure_factor;
