@@ -287,6 +287,27 @@ def test_loading_and_unloading_stiffness_of_elastic_pairs_have_equal_intervals()
         assert table[name].values[1:] == pytest.approx(direct_means, rel=0.12)
 
 
+def test_unloading_stiffness_of_yielding_maps_exceeds_loading_stiffness_if_later_members_are_stiffer():
+    maps = rough_maps(5, hurst_exponent=0.8, rms=0.3, points=32, spacing=1.0)
+    options = {"load": "20 kPa", "mu0": 0.1, "onset": 0, "cutoff": "none", "shifts": 8}
+    result = pair(*maps, **options, effective_modulus="2 MPa", hardness="0.2 MPa")
+    # The unloading stiffness was computed for the first four members only.
+    later_members = result.dataset["repetition"] >= 4
+    names = ("normal_stiffness", "closure_stiffness")
+    assert result.dataset["unloading_stiffness"].where(later_members, drop=True).isnull().all()
+    stiffer = {name: result.dataset[name].where(~later_members, 3 * result.dataset[name]) for name in names}
+    table = type(result)(result.dataset.assign(stiffer)).at().squeeze()
+    for unloading, loading in UNLOADING_AND_LOADING_STIFFNESSES:
+        ratio = float(table[unloading].sel(statistic="mean") / table[loading].sel(statistic="mean"))
+        stored_names = {"unloading_stiffness_per_area": "unloading_stiffness", "stiffness_per_area": "normal_stiffness"}
+        stored_unloading, stored_loading = (
+            result.dataset[stored_names.get(name, name)].where(~later_members, drop=True).isel(load=1)
+            for name in (unloading, loading)
+        )
+        member_ratios = stored_unloading / stored_loading
+        assert 1 <= float(member_ratios.min()) <= ratio <= float(member_ratios.max())
+
+
 @pytest.mark.parametrize(("load", "has_caveat"), [(LOAD, True), (0.5, False)])
 def test_area_at_pressures_limited_to_the_hardness_has_a_caveat_if_contacts_yield(load, has_caveat):
     new_result = (

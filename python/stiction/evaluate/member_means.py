@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +15,13 @@ from stiction._checks import Floats
 from stiction.evaluate import intervals
 from stiction.mechanics import friction
 from stiction.mechanics.friction import NEGLIGIBLE_COEFFICIENT, STATUS_DTYPE, STATUSES
-from stiction.mechanics.quantities import STIFFNESS_QUANTITIES, find_upper_bound, is_requested, quantity_attributes
+from stiction.mechanics.quantities import (
+    LOADING_COUNTERPARTS,
+    STIFFNESS_QUANTITIES,
+    find_upper_bound,
+    is_requested,
+    quantity_attributes,
+)
 from stiction.solve.contact_statistics import compute_sample_quantiles
 from stiction.solve.layout import arrange_axes
 from stiction.study.study import Study
@@ -58,6 +64,13 @@ def average_members(
     import xarray
 
     dependence = MemberDependence.from_coordinates(study, members)
+    members = estimate_missing_unloading_stiffnesses(members)
+    if adjacent_load_values is not None:
+        adjacent_load_values = replace(
+            adjacent_load_values,
+            below=estimate_missing_unloading_stiffnesses(adjacent_load_values.below),
+            above=estimate_missing_unloading_stiffnesses(adjacent_load_values.above),
+        )
 
     def average(dims: Sequence[str], get_values: Callable[[xarray.Dataset], Floats]) -> Floats:
         """Return the mean and the interval limits of a quantity over the members."""
@@ -155,6 +168,32 @@ def average_members(
         "members": ((), coefficient.shape[0], {"units": "1", "long_name": "members"}),
     }
     return xarray.Dataset(variables, coordinates | {"statistic": intervals.INTERVAL_STATISTICS}, members.attrs)
+
+
+def estimate_missing_unloading_stiffnesses(members: xarray.Dataset) -> xarray.Dataset:
+    """Estimate the unloading stiffnesses of those members for which only the loading stiffness was computed.
+
+    The missing stiffness is the member's loading stiffness times the ratio of both stiffnesses of the other members.
+    Both stiffnesses then have means over the same members: a mean over the few members with both could be below the
+    mean loading stiffness, which is impossible. The ratio is the inverse of the mean ratio of compliances, because
+    compliances are averaged.
+    """
+    estimates: dict[str, Any] = {}
+    for name, loading_name in LOADING_COUNTERPARTS.items():
+        if name not in members.variables or loading_name not in members.variables:
+            continue
+        variable = members.variables[name]
+        dims = ("repetition", *(str(dim) for dim in variable.dims if dim != "repetition"))
+        stiffness, loading = (arrange_axes(members.variables[each], dims) for each in (name, loading_name))
+        is_missing = np.isnan(stiffness) & ~np.isnan(loading)
+        if not is_missing.any():
+            continue
+        with np.errstate(divide="ignore", invalid="ignore"):
+            compliance_ratio = loading / stiffness
+            is_known = np.isfinite(compliance_ratio)
+            mean_ratio = np.where(is_known, compliance_ratio, 0.0).sum(axis=0) / is_known.sum(axis=0)
+            estimates[name] = dims, np.where(is_missing, loading / mean_ratio, stiffness), variable.attrs
+    return members.assign(estimates)
 
 
 def _average_quantities(

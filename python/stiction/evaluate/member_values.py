@@ -32,6 +32,7 @@ from stiction.mechanics.quantities import (
     DISTRIBUTION_QUANTITIES,
     GAP_QUANTITIES,
     INTERPOLATED_QUANTITIES,
+    LOADING_COUNTERPARTS,
     QUANTITIES,
     STIFFNESS_PER_AREA_FACTOR,
     VALIDITY_RATIO_OPERANDS,
@@ -259,6 +260,9 @@ def _evaluate_piece(
     requested_names = None if names is None else {*_FRICTION_VARIABLES, *names}
     if requested_names is not None and "tangential_stiffness_per_area" in requested_names:
         requested_names.add("unloading_closure_stiffness")
+    if requested_names is not None:
+        # Unloading stiffnesses of some members are estimated from their loading stiffnesses.
+        requested_names |= {loading for name, loading in LOADING_COUNTERPARTS.items() if name in requested_names}
     if load_definition == "elastic":
         variables |= _compute_opposing_fraction(piece, member_dims, contact_sums)
     variables |= _interpolate_quantities(piece, member_dims, load_crossings, requested_names)

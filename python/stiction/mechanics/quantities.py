@@ -641,6 +641,14 @@ STIFFNESS_QUANTITIES = select_quantity_names(
 )
 """Names of the stiffnesses at a load. Their mean over members is the inverse of the mean compliance."""
 
+LOADING_COUNTERPARTS = {
+    "unloading_stiffness": "normal_stiffness",
+    "unloading_stiffness_per_area": "stiffness_per_area",
+    "unloading_closure_stiffness": "closure_stiffness",
+    "tangential_stiffness_per_area": "closure_stiffness",
+}
+"""Names of the stiffnesses while unloading, each with the stiffness while loading. The ratio varies little."""
+
 UNCERTAINTY_QUANTITIES = select_quantity_names(lambda quantity: quantity.kind == "uncertainty" and quantity.is_directed)
 """Names of the uncertainties of the friction coefficient averaged over all directions."""
 
