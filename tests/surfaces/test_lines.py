@@ -141,10 +141,10 @@ def two_scale_surface(seed=1, points=160):
 
 
 def test_hurst_exponents_of_lines_along_both_axes_are_fitted_in_a_common_band(monkeypatch):
-    monkeypatch.setattr(lines, "MAX_FITTED_LINES", 24)
+    monkeypatch.setattr(lines, "MAX_FITTED_LINES", 12)
     surface = two_scale_surface()
     roughness_x, roughness_y = lines_along_both(surface)
-    assert roughness_x.band == roughness_y.band
+    assert roughness_x.band == roughness_y.band is not None
     single_axis_result = line_roughness(surface, "y", band=roughness_y.band)
     assert np.array_equal(single_axis_result.hurst_exponents, roughness_y.hurst_exponents)
     assert (single_axis_result.with_band, single_axis_result.misfit) == (roughness_y.with_band, roughness_y.misfit)
