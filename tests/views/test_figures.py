@@ -8,7 +8,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray
-from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -568,6 +568,16 @@ def test_inline_svg_conversion_draws_a_constrained_layout_figure_only_once(monke
     monkeypatch.setattr(Figure, "draw", count_draws)
     assert "<svg" in inline_svg(figure, "Plot")
     assert num_draws == 1
+
+
+def test_inline_svg_layout_measures_text_as_the_svg_file_draws_it(monkeypatch):
+    figure = Figure(layout="constrained")
+    axes = figure.add_subplot(xlabel=r"$\mu_0$", ylabel="y")
+    monkeypatch.setattr(RendererAgg, "get_text_width_height_descent", None)
+    inline_svg(figure, "Plot")
+    left, bottom, *_ = axes.get_position().bounds
+    assert 0 < left < 0.2
+    assert 0 < bottom < 0.2
 
 
 # ---- Style -----------------------------------------------------------------------------------------------------------

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import xarray
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from stiction._number_format import format_percent, format_with_unit
@@ -251,6 +252,8 @@ def inline_svg(figure: Figure, description: str) -> str:
         for artist in artists:
             paths = artist.get_paths() if hasattr(artist, "get_paths") else [artist.get_path()]
             artist.set_rasterized(sum(len(path.vertices) for path in paths) > MAX_SVG_VERTICES)
+    # With this canvas, the layout measures text as the SVG file draws it, so that each formula is parsed only once.
+    FigureCanvasSVG(figure)
     place_axes(figure)
     text = io.StringIO()
     figure.savefig(text, format="svg", dpi=RASTER_DPI, transparent=True, metadata={"Date": None, "Creator": None})
