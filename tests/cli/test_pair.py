@@ -384,6 +384,17 @@ def test_load_steps_start_at_a_requested_load_that_equals_the_smallest_allowed_l
             [*MAP_ARGUMENTS, "--hardness", "1 GPa", "--wait", "1 h", "--creep", "-1"],
             ["--creep must be from 0 to 0.5", "'-1'"],
         ),
+        *(
+            (
+                [*MAP_ARGUMENTS, "--hardness", hardnesses],
+                [f"--hardness must be the hardness of the softer body, as one value or one range, got '{hardnesses}'"],
+            )
+            for hardnesses in ("210 HV,180 HV", "2.1 GPa,1.8 GPa", "210 HV ± 8 %,180 HV")
+        ),
+        (
+            [*MAP_ARGUMENTS, "--hardness", "1 GPa", "--wait", "1 h", "--creep", "0.02,0.04"],
+            ["--creep must be one value or one range, got '0.02,0.04'"],
+        ),
         ([*MAP_ARGUMENTS, "--hardness", "0..2 GPa"], ["--hardness must be above 0, got '0..2 GPa'"]),
         ([*MAP_ARGUMENTS, "--hardness", "3"], ["--hardness", "unit of pressure", "HV", "HRC"]),
         ([*PROFILE_FILES, "--wait", "1 h", "--creep", "0.03"], ["--wait is for --mechanics half-space"]),

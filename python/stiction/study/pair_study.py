@@ -80,6 +80,11 @@ DEFAULT_NUM_POSITIONS = 64
 NUM_ADHESION_LOADS = 4
 ZERO_LOAD_REPLACEMENT_FRACTION = 1e-3
 DEFAULT_CONTACT_LAW = "hertz-sphere"
+SINGLE_VALUE_REQUIREMENTS = {
+    "hardness": "the hardness of the softer body, as one value or one range", "creep": "one value or one range",
+    "effective_modulus": "one value or one range",
+}  # fmt: skip
+"""Requirement, as text for a message, of each input of which a study has a single value, by name of the input."""
 
 GAP_REMARK = (
     "A gap map does not contain the slopes of the two faces. Each face is assumed to have half of the slopes. "
@@ -333,6 +338,9 @@ class MeasuredPair:
             texts = [text for text in split_values(self.options.option_value(name)) if text is not None]
             if not any(isinstance(text, str) and UNCERTAINTY_PATTERN.search(text) for text in texts):
                 continue
+            if name in SINGLE_VALUE_REQUIREMENTS:
+                inputs[name] = [self._parse_single_input(name)]
+                continue
             if len(texts) > (2 if name in ("young", "poisson") else 1):
                 reject_decimal_commas(name, self.options.option_value(name))
                 raise ArgumentError(
@@ -350,6 +358,16 @@ class MeasuredPair:
         if INPUT_KINDS[name]:
             values = [value if isinstance(value, str) else exact_quantity_text(value, "GPa") for value in values]
         return [self._parse_input(name, value) for value in values]
+
+    def _parse_single_input(self, name: str) -> InputValue:
+        """Parse an input of which a study has one value; the user must not give a list."""
+        given_value = self.options.option_value(name)
+        if len(split_values(given_value)) != 1:
+            reject_decimal_commas(name, given_value)
+            raise ArgumentError(
+                f"{{{name}}} must be {SINGLE_VALUE_REQUIREMENTS[name]}, got {{got}}", got=short_repr(given_value)
+            )
+        return self._parse_inputs(name)[0]
 
     def _parse_input(self, name: str, value: Any) -> InputValue:
         try:
@@ -542,7 +560,7 @@ class MeasuredPair:
             if self._hardness is None:
                 raise ArgumentError("{wait} needs {hardness}, because elastic contacts do not creep")
             friction["wait"] = _sort_unique(self._parse_quantities("wait", self.options.wait))
-            friction["creep"] = self._parse_inputs("creep")[0]
+            friction["creep"] = self._parse_single_input("creep")
         sections = {
             "surfaces": self._build_surfaces_section(), "contact": contact, "friction": friction,
             "ensemble": self._build_ensemble_section(),
@@ -708,7 +726,7 @@ class MeasuredPair:
         """Entries of the section `[contact]` for the elastic constants: E*, or Young's moduli and Poisson's ratios."""
         elasticity, options = self.elasticity, self.options
         if options.effective_modulus is not None:
-            return {"effective_modulus": self._parse_inputs("effective_modulus")[0]}
+            return {"effective_modulus": self._parse_single_input("effective_modulus")}
         named_bodies = [None if name is None else material(name) for name in self._material_names]
         entries: dict[str, list[Any]] = {"young": [], "poisson": []}
         given_values = {
@@ -851,7 +869,7 @@ class MeasuredPair:
             raise ArgumentError(
                 "{hardness} must not be given, because {reason}", reason=self.elasticity.hardness_source
             )
-        return self._parse_inputs("hardness")[0]
+        return self._parse_single_input("hardness")
 
     def _build_contact_law_entry(self) -> Any:
         """Return the study entry for the contact law of the asperity model: its name, or a section with parameters."""
