@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -214,6 +215,17 @@ def test_shear_test_does_not_resume_from_steps_with_other_limits_of_an_uncertain
         shear_test(*create_faces(), **options)
 
 
+STORED_TEST_OPTIONS = {"path": "0.5 mm", "steps": 2, "mu0": 0.6} | LOAD_AND_ELASTICITY
+
+
+@pytest.fixture(scope="module")
+def stored_test_directory(tmp_path_factory):
+    """Return the directory of a shear test with the options `STORED_TEST_OPTIONS`; tests must copy it."""
+    directory = tmp_path_factory.mktemp("stored") / "test"
+    shear_test(*create_faces(), **STORED_TEST_OPTIONS, directory=directory)
+    return directory
+
+
 @pytest.mark.parametrize(
     "changed",
     [
@@ -227,9 +239,10 @@ def test_shear_test_does_not_resume_from_steps_with_other_limits_of_an_uncertain
         {"mu0": None, "interface": "MoS2 on bearing steel, dry air"},
     ],
 )
-def test_shear_test_replaces_another_shear_test_in_its_directory_only_on_request(tmp_path, changed):
-    options = {"path": "0.5 mm", "steps": 2, "mu0": 0.6, "directory": tmp_path / "test"} | LOAD_AND_ELASTICITY
-    shear_test(*create_faces(), **options)
+def test_shear_test_replaces_another_shear_test_in_its_directory_only_on_request(
+    tmp_path, stored_test_directory, changed
+):
+    options = STORED_TEST_OPTIONS | {"directory": shutil.copytree(stored_test_directory, tmp_path / "test")}
     with pytest.raises(ValueError, match="contains another shear test; choose another directory"):
         shear_test(*create_faces(), **options | changed)
     replacing_test = shear_test(*create_faces(), **options | changed, replace=True)
