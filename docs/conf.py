@@ -214,6 +214,37 @@ class PublicNameLinkTransform(SphinxPostTransform):
             link += literal
 
 
+UNIT_PATTERN = r"(?:[kMGnµm]?(?:m|N|Pa|J|s)\b|[µn]m[²³]|HV\b|[kMG]i?B\b|°|%)"
+DIGIT_GROUP_PATTERN = r"(?:(?<=\b\d)|(?<=\b\d\d)|(?<=\b\d\d\d)) (?=\d\d\d\b)"
+NUMBER_SPACE_PATTERN = re.compile(rf"(?<=\d) (?={UNIT_PATTERN})|{DIGIT_GROUP_PATTERN}")
+"""Spaces inside a number and in front of its unit, at which a line must not be broken."""
+
+
+class OptionTransform(SphinxPostTransform):
+    """Sphinx transform that adds the class `option` to code with options, such as `--load 1` or `pair --gap FILE`."""
+
+    default_priority = 5
+
+    def run(self, **_: Any) -> None:
+        for literal in self.document.findall(nodes.literal):
+            if any(word.startswith("-") for word in literal.astext().split()):
+                literal["classes"].append("option")
+
+
+class NumberSpaceTransform(SphinxPostTransform):
+    """Sphinx transform that keeps a number and its unit, and the digits of a number, on one line."""
+
+    default_priority = 5
+
+    def run(self, **_: Any) -> None:
+        for text in list(self.document.findall(nodes.Text)):
+            if isinstance(text.parent, (nodes.literal, nodes.FixedTextElement, nodes.math, nodes.raw)):
+                continue
+            joined_text = NUMBER_SPACE_PATTERN.sub("\N{NO-BREAK SPACE}", text)
+            if joined_text != text:
+                text.parent.replace(text, nodes.Text(joined_text))
+
+
 MIN_WIDE_ASPECT_RATIO, MIN_PAGE_WIDE_ASPECT_RATIO = 1.7, 1.4
 """Ratios of width to height above which an image scrolls on a narrow screen instead of shrinking.
 
@@ -235,6 +266,7 @@ class WideImageTransform(SphinxPostTransform):
             is_page_wide = image_size[0] > MIN_PAGE_WIDE_PIXELS
             if image_size[0] > (MIN_PAGE_WIDE_ASPECT_RATIO if is_page_wide else MIN_WIDE_ASPECT_RATIO) * image_size[1]:
                 image["classes"].append("wide")
+                image.setdefault("width", "100%")  # An image with a width links to its file in full size.
 
 
 class CommandPromptTransform(SphinxPostTransform):
@@ -340,6 +372,8 @@ def setup(app: Sphinx) -> None:
     sphinx.search.languages["en"] = EnglishSearchWithSymbols
     app.add_html_math_renderer("mathml", (visit_formula, None), (visit_formula, None))
     app.add_post_transform(PublicNameLinkTransform)
+    app.add_post_transform(OptionTransform)
+    app.add_post_transform(NumberSpaceTransform)
     app.add_post_transform(CommandPromptTransform)
     app.add_post_transform(WideImageTransform)
     app.connect("builder-inited", write_reference_pages)
