@@ -131,11 +131,11 @@ def run_benchmark() -> list[tuple[str, str]]:
                 ("... repetitions in a block", f"{block_size}"),
                 (
                     "... time to encode the sums, and fraction of the computing time",
-                    f"{1e3 * writing_time:.2g} ms, {writing_time / member_time:.2%}",
+                    f"{1e3 * writing_time:.2g} ms, {100 * writing_time / member_time:.2f} %",
                 ),
                 ("... repetitions per second that two idle workers store", f"{worker_storage_rate:.0f}"),
                 ("... repetitions per second that the driver stores for two workers", f"{driver_storage_rate:.0f}"),
                 ("... processor time of the driver per repetition", f"{1e6 * driver_time:.0f} µs"),
-                ("... number of workers that one driver supports", f"{member_time / driver_time:,.0f}"),
+                ("... number of workers that one driver supports", f"{member_time / driver_time:.0f}"),
             ]
     return rows

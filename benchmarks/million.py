@@ -79,7 +79,10 @@ def run_benchmark() -> list[tuple[str, str]]:
         runner.compute_member_arrays, runner.estimate_member_time = original_functions
     peak_memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     return [
-        (f"{NUM_REPETITIONS:,} repetitions, 2 pairs of 8 approaches each", f"{result.nbytes / 1e9:.2f} GB"),
+        (
+            f"{NUM_REPETITIONS / 1e6:g} million repetitions, 2 pairs of 8 approaches each",
+            f"{result.nbytes / 1e9:.2f} GB",
+        ),
         ("compute synthetic sums, and store them", f"{writing_time:.0f} s"),
         ("number of files, and size on disk", f"{num_files}, {stored_info.size / 1e9:.2f} GB"),
         ("read the progress, open the result", f"{info_time:.1f} s, {opening_time:.1f} s"),

@@ -416,7 +416,7 @@ def format_residuals_in_percent(points: list[dict], name: str) -> str:
     residuals = residuals[np.isfinite(residuals)]
     if not residuals.size:
         return ""
-    return f"{residuals.mean():+.1f} ({residuals[np.abs(residuals).argmax()]:+.1f})"
+    return f"{residuals.mean():+z.1f} ({residuals[np.abs(residuals).argmax()]:+z.1f})"
 
 
 def render_family_rows(points: list[dict]) -> list[str]:

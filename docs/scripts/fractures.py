@@ -113,7 +113,7 @@ def tabulate_stiffness_errors(directory, names=("vd1", "vd2")):
             rows.setdefault(label, []).append((computed, measured))
     lines = [f"| stiffness (MPa/mm) | {' | '.join(titles)} |", "|-" * (len(titles) + 1) + "|"]
     for label, pairs in rows.items():
-        cells = [f"{computed:.0f} | {measured:.0f} | {computed / measured - 1:+.0%}" for computed, measured in pairs]
+        cells = [f"{computed:.0f} | {measured:.0f} | {computed / measured - 1:+z.0%}" for computed, measured in pairs]
         lines.append(f"| {label} | {' | '.join(cells).replace('%', ' %').replace('-', '−')} |")
     return "\n".join(lines)
 
@@ -235,9 +235,9 @@ def main(directory, names):
             area = 100 * curve.contact_area[-1] * stress[-1] / 1e3 / curve.load[-1]
             cells = (
                 f"{computed_stiffness[0]:.0f}",
-                f"{deviations[0]:+.0f} %",
+                f"{deviations[0]:+z.0f} %",
                 f"{computed_stiffness[1]:.0f}",
-                f"{deviations[1]:+.0f} %",
+                f"{deviations[1]:+z.0f} %",
                 f"{area:.1f}",
             )
             print(f"| {label} |", " | ".join(cells), "|", flush=True)

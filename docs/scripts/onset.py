@@ -219,8 +219,9 @@ def fit_presliding_models() -> list[str]:
             ]
             error_texts = [f"{100 * residual:.1f} %" for residual in residuals]
             lines.append(
-                f"| {boundary} | {RELATIVE_PRESSURES[k]:g} | {tau0:g} | {iwan_model.chi:.2f}, {iwan_model.beta:.2f} | "
-                f"{error_texts[0]} | {100 * energy_error:.0f} % | {lugre_model.stiffness / onset.stiffness:.2f} "
+                f"| {boundary} | {RELATIVE_PRESSURES[k]:g} | {tau0:g} "
+                f"| {iwan_model.chi:z.2f}, {iwan_model.beta:z.2f} | {error_texts[0]} | "
+                f"{100 * energy_error:.0f} % | {lugre_model.stiffness / onset.stiffness:.2f} "
                 f"| {error_texts[1]} |"
             )
             print(lines[-1], flush=True)

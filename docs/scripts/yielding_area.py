@@ -660,8 +660,8 @@ def format_summary(points: list[AreaComparison]) -> list[str]:
     for name in points[0].ratios:
         ratios = np.array([point.ratios[name] for point in points])
         rows.append(
-            f"| {name} | {ratios.size} | {ratios.mean():.3f} | {np.abs(ratios - 1).mean():.1%} | {ratios.min():.2f} "
-            f"| {ratios.max():.2f} | {(np.abs(ratios - 1) <= 0.12).mean():.0%} |"
+            f"| {name} | {ratios.size} | {ratios.mean():.3f} | {100 * np.abs(ratios - 1).mean():.1f} % "
+            f"| {ratios.min():.2f} | {ratios.max():.2f} | {100 * (np.abs(ratios - 1) <= 0.12).mean():.0f} % |"
         )
     return rows
 
@@ -776,7 +776,8 @@ def main(directory: Path) -> None:
     }
     text = [
         "Cases. x is the mean pressure of the elastic contact divided by the hardness, at equal load. Forms with an "
-        "exponent n are (A_el^n + (F/H)^n)^(1/n); forms with an exponent m start at the onset of yield.\n",
+        r"exponent n are $(A_\mathrm{el}^n + (F/H)^n)^{1/n}$; forms with an exponent m start at the onset of yield."
+        "\n",
         *format_cases(points),
         f"\nAreas divided by the finite-element area, for A/A0 below {MAX_COMPARED_FRACTION:g} and x above 0.5, "
         "without hardening and without repetitions on finer meshes.\n",

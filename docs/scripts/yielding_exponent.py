@@ -289,7 +289,7 @@ def format_exponents(areas: dict[str, AreasOfOneCase]) -> list[str]:
         ratios = np.exp(case_areas.deviations(combine_areas_from_onset, 1.15))
         x = case_areas.pressure_ratio
         rows.append(
-            f"| {name} | {x.size} | {x.min():.2f} to {x.max():.2f} | {exponent:.2f} | {rms_deviation:.1%} "
+            f"| {name} | {x.size} | {x.min():.2f} to {x.max():.2f} | {exponent:.2f} | {100 * rms_deviation:.1f} % "
             f"| {ratios.mean():.2f} | {ratios.min():.2f} | {ratios.max():.2f} |"
         )
     return rows
@@ -308,7 +308,7 @@ def format_summary(groups: dict[str, dict[str, AreasOfOneCase]]) -> list[str]:
         deviation = exponents.std(ddof=1)
         rows.append(
             f"| {title} | {exponents.size} | {exponents.mean():.2f} | {deviation:.2f} | {exponents.min():.2f} "
-            f"| {exponents.max():.2f} | {fractions_inside[0]:.0%} | {fractions_inside[1]:.0%} |"
+            f"| {exponents.max():.2f} | {100 * fractions_inside[0]:.0f} % | {100 * fractions_inside[1]:.0f} % |"
         )
     return rows
 
