@@ -53,8 +53,8 @@ _PROFILE_PARAMETER_TEXTS = {
     "p": ("peak height per section, mean of the sections", _PEAK_GROUP, r"\frac1n \sum_i p_i,\ p_i = \max_i z", "µm"),
     "v": ("pit depth per section, mean of the sections", _PEAK_GROUP, r"\frac1n \sum_i v_i,\ v_i = -\min_i z", "µm"),
     "t": ("total height", _HEIGHT_GROUP, r"\max z - \min z", "µm"),
-    "sk": ("skewness", _HEIGHT_GROUP, r"\frac{1}{q^3} \frac1l \int z^3\,dx", ""),
-    "ku": ("kurtosis", _HEIGHT_GROUP, r"\frac{1}{q^4} \frac1l \int z^4\,dx", ""),
+    "sk": ("skewness", _HEIGHT_GROUP, r"\frac{1}{q^3\,l} \int z^3\,dx", ""),
+    "ku": ("kurtosis", _HEIGHT_GROUP, r"\frac{1}{q^4\,l} \int z^4\,dx", ""),
     "dq": ("root-mean-square slope", _HYBRID_GROUP, r"\left(\frac1l \int (dz/dx)^2\,dx\right)^{1/2}", ""),
     "Sm": ("mean spacing of the profile elements", _ELEMENT_GROUP, r"\frac1m \sum_i X_i", "µm"),
     "c": ("mean height of the profile elements", _ELEMENT_GROUP, r"\frac1m \sum_i Z_i", "µm"),
@@ -107,8 +107,8 @@ SURFACE_PARAMETERS = (
     ParameterDefinition("Sp", "maximum peak height", f"{_ISO_25178}, 4.2 height", r"\max z"),
     ParameterDefinition("Sv", "maximum pit depth", f"{_ISO_25178}, 4.2 height", r"-\min z"),
     ParameterDefinition("Sz", "maximum height", f"{_ISO_25178}, 4.2 height", "Sp + Sv"),
-    ParameterDefinition("Ssk", "skewness", f"{_ISO_25178}, 4.2 height", r"\frac{1}{Sq^3} \frac1A \int z^3\,dA", ""),
-    ParameterDefinition("Sku", "kurtosis", f"{_ISO_25178}, 4.2 height", r"\frac{1}{Sq^4} \frac1A \int z^4\,dA", ""),
+    ParameterDefinition("Ssk", "skewness", f"{_ISO_25178}, 4.2 height", r"\frac{1}{Sq^3\,A} \int z^3\,dA", ""),
+    ParameterDefinition("Sku", "kurtosis", f"{_ISO_25178}, 4.2 height", r"\frac{1}{Sq^4\,A} \int z^4\,dA", ""),
     ParameterDefinition(
         "Sdq", "root-mean-square gradient", f"{_ISO_25178}, 4.4 hybrid",
         r"\left(\frac1A \int |\nabla z|^2\,dA\right)^{1/2}", "",
@@ -161,7 +161,7 @@ SURFACE_PARAMETERS = (
     ParameterDefinition("Spd", "density of peaks", f"{_ISO_25178}, 5.8 feature", r"n/A", "1/µm²"),
     ParameterDefinition(
         "Spc", "arithmetic mean peak curvature", f"{_ISO_25178}, 5.8 feature",
-        r"-\frac12 \frac1n \sum_i (∂_x^2 z + ∂_y^2 z)_i", "1/µm", "a peak in the interior of the map",
+        r"-\frac{1}{2n} \sum_i (∂_x^2 z + ∂_y^2 z)_i", "1/µm", "a peak in the interior of the map",
     ),
     ParameterDefinition(
         "S5p", "five-point peak height", f"{_ISO_25178}, 5.8 feature", r"\frac15 \sum_{i=1}^5 z_{p,i}",
