@@ -121,6 +121,12 @@ def test_documentation_page_contains_only_code_blocks_that_a_test_runs(page):
         )
 
 
+@parametrize_pages(PAGE_FILES)
+def test_documentation_page_has_colon_fences_only_at_the_start_of_lines(page):
+    lines = page.read_text(encoding="utf-8").splitlines()
+    assert [line for line in lines if ":::" in line and not line.lstrip().startswith(":::")] == []
+
+
 NOTEBOOK_CELL_OPTIONS = r"\A(---\n(.*\n)*?---\n|(:.*\n)+)"
 """Pattern of the options at the start of a code cell, such as tags that hide the cell on the built page."""
 
