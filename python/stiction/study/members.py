@@ -225,7 +225,7 @@ class PreparedBodies:
         self._locks: dict[tuple[float, int, int], threading.Lock] = {}
 
     def members(self, wavelength: float, upper: int = 0, lower: int = 0) -> MemberSource:
-        """Return the source of members that are cut from two scans, low-pass filtered at a cutoff (µm).
+        """Return an object that cuts surface pairs from two scans, which are low-pass filtered at a cutoff (µm).
 
         A cutoff of 0 stands for no filter. If several threads need the same members, one thread filters the scans, and
         the others wait. Raises a `ValueError` if the scans form no members.
@@ -242,7 +242,7 @@ class PreparedBodies:
         return surfaces.build_member_source(scan_pair, (upper_cutoff, lower_cutoff), self._seed)
 
     def member(self, index: int, wavelength: float) -> EnsembleMember:
-        """Return the member with a given index, from scans low-pass filtered at a cutoff (µm; 0 for no filter)."""
+        """Return the surface pair with a given index, cut from scans low-pass filtered at a cutoff (µm; 0: none)."""
         surfaces = self._surfaces
         # Members of each scan pair are numbered from 0. Surrogates keep their number in the study, which is their seed.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
@@ -251,7 +251,7 @@ class PreparedBodies:
 
     @cached_property
     def attributes(self) -> BodyAttributes:
-        """Attributes that a result stores about the bodies, such as nominal area, history, grid and missing points."""
+        """Attributes of a result that describe the bodies, such as nominal area, processing history and grid."""
         properties = self.members(self._surfaces.reported_cut_off()).find_shared_properties()
         attributes: dict[str, Any] = {
             side: "\n".join(body.history)
@@ -276,7 +276,7 @@ class PreparedBodies:
 
     @cached_property
     def _pressed_bodies(self) -> list[Profile | Surface]:
-        """First scan of each body after low-pass filtering; empty for a measured gap or for spectra.
+        """List of the first filtered scan of each body; the list is empty for a measured gap, or for spectra.
 
         The members of a study are cut from these and any further scans.
         """
@@ -287,7 +287,7 @@ class PreparedBodies:
 
     @cached_property
     def _lay_attributes(self) -> dict[str, Any]:
-        """Lay ratio of each map (rms slope across the lay over rms slope along it), as attributes.
+        """Attributes of a result: lay ratio of each map, that is, rms slope across the lay over rms slope along it.
 
         Empty unless both maps have a lay.
         """
@@ -316,7 +316,7 @@ class PreparedBodies:
         }
 
     def _find_measured_fraction(self) -> float:
-        """Return the fraction of the area that was measured on both bodies, as a mean over the first few members."""
+        """Return the mean fraction of the nominal area where both bodies have data, over the first surface pairs."""
         if all(getattr(scan, "missing", None) is None for scans in self._scans_by_side for scan in scans):
             return 1.0
         measured_fractions = []
@@ -374,5 +374,5 @@ def check_scans_provide_all_members(study: Study) -> None:
 
 
 def find_body_attributes(study: Study) -> BodyAttributes:
-    """Return the attributes that a result stores about measured bodies; generated bodies have no attributes."""
+    """Return what a result stores about measured bodies, keyed by attribute name; empty for generated bodies."""
     return read_measured_bodies(study).attributes if study.is_measured else BodyAttributes()

@@ -31,7 +31,7 @@ docs/howto/elastomers.md lists published cases.
 
 
 def find_default_area_loss(effective_modulus: float) -> str | None:
-    """Return as text the default range of the area loss of rubber: the fraction of true area that shear removes.
+    """Return the default range, as text, of the fraction of the true contact area that rubber loses under shear.
 
     Returns None if E* (GPa) is too large for rubber.
     """

@@ -92,7 +92,7 @@ def _convert_contact_section(contact: dict[str, Any], known: Mapping[str, Any]) 
 def _replace_effective_modulus(
     contact: dict[str, Any], bodies: Mapping[str, Any], *, is_one_material: bool
 ) -> dict[str, Any]:
-    """Replace E* in an old study file with the file's Young's moduli and Poisson's ratios, if they give the same E*.
+    """Replace E* in an old study file by the file's Young's moduli and Poisson's ratios, if E* follows from them.
 
     If the moduli and ratios give another E*, the E* of the file is kept, with the range that follows from the ranges of
     the moduli.

@@ -269,7 +269,7 @@ def has_no_spectrum(pair: PairProperties) -> bool:
 
 @make_condition("is for surfaces and surrogates; two profiles are one pair")
 def has_several_line_pairs(pair: PairProperties) -> bool:
-    """Return whether several pairs of lines can be pressed: lines of maps, or surrogates of profiles."""
+    """Return whether the pair provides several pairs of lines to press: lines of maps, or surrogates of profiles."""
     return not pair.are_profiles or (pair.press_mode == "lines" and pair.has_surrogates)
 
 
@@ -389,7 +389,7 @@ def has_work_of_adhesion(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with {interface}, which contains mu0 and tau0")
 def has_no_interface(pair: PairProperties) -> bool:
-    """Return whether no interface is given, so that the user may set mu0 and tau0."""
+    """Return whether mu0 and tau0 may be set, because the user names no interface with calibrated mu0 and tau0."""
     return pair.options.interface is None
 
 
@@ -410,7 +410,7 @@ DEFAULT_UNITS: dict[OptionKind, str] = {
 
 @dataclass(frozen=True, kw_only=True)
 class FormField:
-    """Input field of an option in the app's form: label, group of fields, example and choices."""
+    """Input field of an option in the app's form: its label, its example, its choices and the group it belongs to."""
 
     label: str
     place: Literal["scan", "body", "load", "more"] = "more"

@@ -169,7 +169,7 @@ class MeasuredPair:
 
     @cached_property
     def files(self) -> tuple[MeasuredBodySettings, MeasuredBodySettings]:
-        """Study entries of the upper and the lower body: scan files with their reading options."""
+        """Entries of the study file that specify the upper and the lower body: scan files and how to read them."""
         entries = []
         for index, side in enumerate(SIDES):
             scans = self.options.option_value(side) if self.options.gap is None else self.options.gap
@@ -179,7 +179,7 @@ class MeasuredPair:
         return entries[0], entries[1]
 
     def _build_file_entry(self, side: str, index: int, body: Any) -> MeasuredBodySettings:
-        """Create the study entry of a scan: a file with reading options, or an object in memory."""
+        """Create a study file's entry for a scan: file name and reading options, or a body that is already loaded."""
         options = self.options
         properties: dict[str, Any] = {}
         if options.tip is not None:
@@ -394,7 +394,7 @@ class MeasuredPair:
 
     @cached_property
     def half_space_inputs(self) -> Inputs:
-        """Inputs (mu0, tau0, elasticity, hardness) for a half-space contact without adhesion and junction growth.
+        """Inputs (mu0, tau0, elasticity, hardness) for half-space contact, if there is no adhesion or junction growth.
 
         If an interface is given, mu0 and tau0 are the medians of the interface.
         """
@@ -671,7 +671,7 @@ class MeasuredPair:
         return [list(pair) for pair in zip(lengths[::2], lengths[1::2], strict=True)]
 
     def _count_positions(self) -> tuple[int, int]:
-        """Return the number of pairs of lines, and the number of relative positions in which each pair is pressed."""
+        """Return two numbers: line pairs in the study, and relative positions in which each line pair is pressed."""
         num_lines, num_offsets = self.options.lines or DEFAULT_NUM_LINE_PAIRS, self.options.offsets
         if self.are_profiles and not self.has_surrogates:
             positions = self._listed_positions
@@ -767,7 +767,7 @@ class MeasuredPair:
 
     @property
     def _junction_growth(self) -> InputValue | None:
-        """Junction growth of contacts under shear, or None if contacts cannot grow and no growth is given.
+        """Factor by which shear enlarges contacts; None for contacts that cannot grow, unless the user sets the factor.
 
         Contacts can grow if they yield and do not adhere. The default is the junction growth of the interface. Without
         an interface, contacts yield by slip lines, or do not grow (0) if a material to which slip-line theory does not
@@ -796,7 +796,7 @@ class MeasuredPair:
 
     @property
     def _can_yield_by_slip_lines(self) -> bool:
-        """Return whether slip-line theory may apply to the softer body: a metal, a polymer or an unnamed material.
+        """Return whether slip-line theory may describe the softer body, because it is a metal, a polymer or unnamed.
 
         A given hardness may belong to either of two named materials.
         """
@@ -846,7 +846,7 @@ class MeasuredPair:
 
     @property
     def _area_loss(self) -> InputValue | None:
-        """Fraction of the true area that is lost under shear, or None if no area is lost.
+        """Fraction of the true contact area that contacts lose under shear, or None if they lose no area.
 
         By default, soft bodies lose area under shear.
         """
@@ -941,7 +941,7 @@ class MeasuredPair:
 
 
 def _build_growth_entry(estimate: UncertainInput) -> InputValue:
-    """Convert a junction growth factor to a study entry: the central value and, for an uncertain factor, its range."""
+    """Convert a junction growth factor to an entry of a study file: its central value and, if uncertain, its range."""
     if estimate.is_exact:
         return parse_input_value("junction_growth", estimate.value)
     return parse_input_value("junction_growth", f"{estimate.value:.6g} ({estimate.text})")
@@ -1017,7 +1017,7 @@ def _list_scans(side: str, scan_input: Any) -> list[Any]:
 
 
 def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | NoiseHiddenInSpectrum | None:
-    """Return a scan's instrument limit if it affects the slope noticeably, or else the scan's hidden noise, if any."""
+    """Return the wavelengths of a scan that may be noise: below its instrument limit, or hidden in its spectrum."""
     body = scan.read()
     if isinstance(body, JoinedSpectrum) or body.is_flat:
         return None

@@ -1,4 +1,4 @@
-"""Inputs that occur both in a pair and in the friction tests of its interface, perhaps with different ranges.
+"""Inputs that a pair shares with the friction tests of its interface; their ranges may differ.
 
 The tests and the pair give the same range to most shared inputs, such as the hardness of a material. If the ranges
 differ but have the same central value, they are two statements about one quantity, and the narrower range applies.
@@ -46,7 +46,7 @@ _TESTED_RANGE_PATTERN = re.compile(r"(normal|log-normal|uniform) (\S+?)\.\.(\S+)
 
 @dataclass(frozen=True)
 class SharedInput:
-    """Input of both a pair and the friction tests of its interface, with its distribution in the pair and in the tests.
+    """Input that a pair shares with the friction tests of its interface, with its distribution in either.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class SharedInput:
 
     @property
     def is_one_quantity(self) -> bool:
-        """True if the input has equal central values in tests and pair, so that both ranges describe one quantity."""
+        """True if the input has equal central values in tests and pair, so that it is the same quantity in both."""
         return are_central_values_equal(self.tested.value, self.stated.value)
 
     @property
@@ -78,7 +78,7 @@ class SharedInput:
         return self.stated.high - self.stated.low < self.tested.high - self.tested.low
 
     def sample(self, fit: StrengthFit) -> Floats:
-        """Return the input's values (GPa, or dimensionless), one for each pair of mu0 and tau0 samples in a fit."""
+        """Return samples of the input (GPa, or dimensionless), one for each sample of (mu0, tau0) in a fit."""
         from scipy.special import ndtr
 
         return self.tested.quantile(ndtr(fit.scores[self.score_name]))
@@ -92,7 +92,7 @@ def are_central_values_equal(tested_value: float, stated_value: float) -> bool:
 def find_shared_inputs(
     strength: InterfaceStrength, estimates: Mapping[str, UncertainInput], pair_checksum: str = ""
 ) -> dict[str, SharedInput]:
-    """Return the inputs of a pair that are also inputs of the tests of an interface, keyed by name.
+    """Return the inputs that a pair shares with the friction tests of an interface, keyed by name.
 
     `estimates` contains the distributions of the inputs of the pair, which may be exact. `pair_checksum` identifies the
     pair among the tested pairs. If the tests have several ranges of an input, the range that equals that of the pair is
@@ -114,7 +114,7 @@ def find_shared_inputs(
 def _find_tested_ranges(
     scores: Mapping[str, Floats], name: str, stated: UncertainInput, pair_checksum: str
 ) -> Iterator[SharedInput]:
-    """Yield a `SharedInput` for each range of an input in the tests; names of the input's samples contain the range."""
+    """Yield the ranges that friction tests state for an input, each with the pair's own range as a `SharedInput`."""
     suffix = f" of {pair_checksum}" if name == "area_loss" else ""
     for score_name in scores:
         text = score_name.removeprefix(f"{name} ")
@@ -132,7 +132,7 @@ def _find_tested_ranges(
 
 
 def apply_ranges_of_pair(strength: InterfaceStrength, shared_inputs: Mapping[str, SharedInput]) -> InterfaceStrength:
-    """Return a copy of an interface, resampled for each input whose range is narrower in the pair than in the tests.
+    """Return a copy of an interface, with samples resampled to the pair's ranges of inputs that are narrower there.
 
     Samples are selected in proportion to the ratio of the new to the old density of the inputs. They are then samples
     of the fit that the same tests would have given with the range of the pair.
@@ -172,7 +172,7 @@ def _compute_log_density(estimate: UncertainInput, values: Floats) -> Floats:
 
 
 def _combine_weights(log_weights: Sequence[Floats]) -> Floats:
-    """Combine the importance weights of all inputs into one weight per sample; return the logarithms of these weights.
+    """Combine the importance weights of all inputs into one weight per sample of (mu0, tau0); return its logarithm.
 
     Weights of inputs are raised to powers below 1 until the effective number of samples is large enough. The power of
     the input that leaves the fewest samples is reduced, so that a much narrower range does not widen other ranges.

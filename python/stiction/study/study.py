@@ -1,4 +1,4 @@
-"""Studies: each study completely describes a computation, and is read from a TOML file or built in."""
+"""Study files: each completely describes a computation. Studies are read from TOML files, or built in."""
 
 from __future__ import annotations
 
@@ -133,7 +133,7 @@ LOADS_DESCRIPTION = "Normal loads of the results; `contact.load` contains these 
 
 
 class GeneratedSurfaceFrictionSettings(SettingsSectionVariant):
-    """Base class of sections `[friction]` for generated surfaces: mu0 and tau0, for which figures are drawn."""
+    """Base class of the section `[friction]` for generated surfaces: mu0 and tau0 at which figures show friction."""
 
     place: ClassVar[str] = "generated surfaces"
     wait: ClassVar[tuple[Quantity, ...]] = ()
@@ -145,14 +145,14 @@ class GeneratedSurfaceFrictionSettings(SettingsSectionVariant):
 
 
 class AsperityFrictionSettings(GeneratedSurfaceFrictionSettings):
-    """Section `[friction]` for generated surfaces in the asperity model: mu0 and tau0 of figures, but no loads."""
+    """Section `[friction]` for generated surfaces, asperity model: mu0 and tau0 at which figures show friction."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
     load: ClassVar[tuple[Quantity, ...]] = ()
 
 
 class HalfSpaceFrictionSettings(GeneratedSurfaceFrictionSettings):
-    """Section `[friction]` for generated surfaces in the half-space model: mu0, tau0 and loads for figures."""
+    """Section `[friction]` for generated surfaces, half-space model: mu0, tau0 and loads that figures show."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 
@@ -374,7 +374,7 @@ class Study(SettingsSection):
     @field_validator("contact", "friction", mode="before")
     @classmethod
     def _validate_dependent_section(cls, value: object, info: ValidationInfo) -> Any:
-        """Validate the section `[contact]` or `[friction]` with the class that suits the surfaces of the study.
+        """Validate the section `[contact]` or `[friction]` with the class for the study's kind of surfaces.
 
         If the section `[surfaces]` is invalid, return a section with defaults, so that only the error in `[surfaces]`
         is reported.
@@ -485,7 +485,7 @@ class Study(SettingsSection):
 
     @property
     def member_names(self) -> MemberNames:
-        """Word for the surface pairs (members) in output, such as "position" (singular) and "positions" (plural)."""
+        """Words for the surface pairs (members) in output, singular and plural, such as "position" and "positions"."""
         return self.surfaces.member_names
 
     @property
@@ -494,7 +494,7 @@ class Study(SettingsSection):
         return self.contact.step_quantity
 
     def contact_sum_names(self) -> tuple[str, ...]:
-        """Return the names of the quantities that a result stores for each surface pair and loading step."""
+        """Return the names of the sums over contacts that a result stores for each surface pair and loading step."""
         if self.uses_half_space:
             adhesion_names = ADHESION_QUANTITIES if self.contact.adheres else ()
             yielding_names = YIELDING_QUANTITIES if self.contact.yield_exponent is not None else ()
@@ -564,7 +564,7 @@ class Study(SettingsSection):
         return study.model_copy(update={"surfaces": surfaces})
 
     def with_changes(self, changes: Mapping[str, Any]) -> Study:
-        """Return a copy of the study in which some keys have other values.
+        """Return a copy of the study in which the given keys have new values.
 
         Parameters
         ----------
@@ -598,7 +598,7 @@ class Study(SettingsSection):
         return format_toml_sections(self._to_sections())
 
     def _convert_base_sections(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-        """Return the study's sections, converted to other classes if a changed key, such as `kind`, requires them."""
+        """Return the study's sections; a section changes class if a changed key, such as `kind`, requires it."""
         sections = self._to_sections()
         selectors = {
             key: changes.get(f"{section}.{key}", sections[section].get(key)) for section, key in _DISCRIMINATOR_KEYS
@@ -617,7 +617,7 @@ class Study(SettingsSection):
         return sections
 
     def _remove_replaced_entries(self, sections: Mapping[str, dict[str, Any]], changes: Mapping[str, Any]) -> None:
-        """Remove the keys from `[contact]` and `[friction]` that contradict a changed key.
+        """Remove those keys of `[contact]` and `[friction]` that a newly given key replaces or rules out.
 
         E* replaces Young's moduli, but not `compliance_share`, and Young's moduli replace both. An interface replaces
         mu0 and tau0; a change of mu0 or tau0 replaces the interface, but not the other parameter.
@@ -640,7 +640,7 @@ class Study(SettingsSection):
     def _remove_dependent_loads(
         self, sections: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool
     ) -> None:
-        """Remove the loads of a study of generated surfaces that contradict the loads in `changes`.
+        """Remove the loads from a study of generated surfaces if `changes` gives new loads that contradict them.
 
         `friction.load` is removed if `contact.load` changes, or if the changed study has no `friction.load`. Otherwise,
         `contact.load` is removed if it has two loads more than `friction.load`, because validation added two loads, and
@@ -660,7 +660,7 @@ class Study(SettingsSection):
 
 
 def _convert_section(section: SettingsSection, target_class: type[SettingsSection]) -> dict[str, Any]:
-    """Convert a section to another section class; keys with default values get the defaults of the new class.
+    """Convert a section to another section class; keys that have the old class's default get the new default.
 
     Keys that differ from the default of the old class keep their values.
     """
@@ -674,7 +674,7 @@ def _convert_section(section: SettingsSection, target_class: type[SettingsSectio
 
 
 def drop_none_entries(section: SettingsSection) -> dict[str, Any]:
-    """Return a section as a dictionary in the order of study files, without keys whose value is None."""
+    """Convert a section to a dictionary without keys whose value is None; keys are in the order of study files."""
     data = section.model_dump(exclude_none=True)
     key_order = {key: index - len(_KEYS_WRITTEN_FIRST) for index, key in enumerate(_KEYS_WRITTEN_FIRST)}
     if isinstance(section, ContactSettingsForMeasuredMaps):
@@ -683,7 +683,7 @@ def drop_none_entries(section: SettingsSection) -> dict[str, Any]:
 
 
 def _replace_paths_by_checksums(value: Any) -> Any:
-    """Copy nested study entries; in the copy, a scan with a checksum has neither a file path nor a loaded body."""
+    """Copy nested study entries, but omit the file path and the loaded body of each scan that has a checksum."""
     if isinstance(value, Mapping):
         ignored_keys = ("file", "body") if "sha256" in value else ()
         return {key: _replace_paths_by_checksums(item) for key, item in value.items() if key not in ignored_keys}
@@ -742,7 +742,7 @@ def find_step_dimension(dataset: xarray.Dataset) -> str:
 def find_section_differences(
     first_section: SettingsSection, second_section: SettingsSection, prefix: str = ""
 ) -> list[StudyDifference]:
-    """List the keys in which two sections differ, with both values as text, in the order of study files."""
+    """List the keys in which two sections differ, in study file order, each with both values as text."""
     serialized, differences = (first_section.model_dump(), second_section.model_dump()), []
     for name in dict.fromkeys((*type(first_section).model_fields, *type(second_section).model_fields)):
         field = type(first_section).model_fields.get(name) or type(second_section).model_fields[name]
@@ -766,7 +766,7 @@ def find_section_differences(
 
 
 def find_member_differences(first_study: Study, second_study: Study) -> list[StudyDifference]:
-    """List keys that differ between two studies and affect the computed surface pairs, with the values in both studies.
+    """List the keys that differ between two studies and change the computed surface pairs, with both values as text.
 
     Members depend on the central values of inputs, but not on the ranges. Members do not depend on the section
     `[friction]`, on the area loss under shear, on the depth of the indentation, on whether the lay was assumed, on
@@ -791,7 +791,7 @@ def find_member_differences(first_study: Study, second_study: Study) -> list[Stu
 
 
 def _have_equal_central_values(first_study: Study, second_study: Study, key: str) -> bool:
-    """Return whether a key is an input, such as hardness, that has the same central value in both studies."""
+    """Return whether a key is an input, such as hardness, and its central value is the same in two studies."""
     section, _, name = key.partition(".")
     values = [getattr(getattr(study, section), name, None) for study in (first_study, second_study)]
     inputs = [value if isinstance(value, tuple) else (value,) for value in values]

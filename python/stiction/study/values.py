@@ -54,7 +54,7 @@ parse_positive_length = _make_quantity_parser("length")
 
 
 def format_quantities(value: Any) -> Any:
-    """Format quantities and floating-point numbers as text; in a tuple, format each element.
+    """Format a quantity with its unit, or a number, as text; for a tuple, return a tuple of texts.
 
     Other values are returned unchanged.
     """
@@ -99,7 +99,7 @@ _Item = TypeVar("_Item")
 
 
 def require_distinct(values: tuple[_Item, ...]) -> tuple[_Item, ...]:
-    """Return a tuple unchanged, or raise a `ValueError` if two elements of the tuple are equal."""
+    """Return a given tuple; raise a `ValueError` if two elements of the tuple are equal."""
     if len(set(values)) < len(values):
         raise ValueError("must differ from each other, but two values are equal")
     return values
@@ -237,7 +237,7 @@ def make_key_error(key: str, message: str) -> PydanticCustomError:
 
 
 def select_key_value(key: str, section: Mapping[str, Any], cases: Mapping[str, Any]) -> str:
-    """Return the value of a key, such as `kind`, that selects the variant of a section.
+    """Return the value of a section's key, such as `kind`, that decides which class validates the section.
 
     The default is the first name in `cases`.
 
@@ -340,7 +340,7 @@ LoadsOrRange = Annotated[
 
 
 def to_value_array(values: _ValueRange | tuple[float, ...]) -> Floats:
-    """Return the numbers of a range or a list as an array."""
+    """Return as an array the numbers in a list, or the equally spaced numbers that a range describes."""
     return np.array(values, dtype=np.float64) if isinstance(values, tuple) else values.values()
 
 
@@ -350,7 +350,7 @@ def to_value_array(values: _ValueRange | tuple[float, ...]) -> Floats:
 def check_keys(
     section: Mapping[Any, Any], case: type[SettingsSectionVariant], shared: Sequence[type[SettingsSectionVariant]]
 ) -> None:
-    """Raise an error if a section has a key that belongs only to other variants, or lacks a required key.
+    """Raise an error if a section lacks a required key, or has a key that this kind of section does not allow.
 
     `shared` lists base classes whose keys several variants have. Messages name these classes by their `place`.
     """
@@ -505,7 +505,7 @@ MAX_SUGGESTIONS = 3
 
 
 def _suggest_keys(section_class: type[SettingsSection], location: list[int | str]) -> str:
-    """Return a hint for an unknown key: the similar keys of the section, or the command that lists all keys."""
+    """Return a hint for an unknown key: similar keys of the section or, if there are none, how to list all keys."""
     known_classes = [section_class]
     for parent_key in location[:-1]:
         parent_fields = [
@@ -525,7 +525,7 @@ def _suggest_keys(section_class: type[SettingsSection], location: list[int | str
 
 
 def find_section_classes(annotation: Any) -> list[type[SettingsSection]]:
-    """Return the section classes that the type annotation of a study field contains."""
+    """Return the section classes in a study field's type annotation, for example the members of a union."""
     if isinstance(annotation, type):
         return [annotation] if issubclass(annotation, SettingsSection) else []
     return [section_class for argument in get_args(annotation) for section_class in find_section_classes(argument)]

@@ -132,7 +132,7 @@ class Caveat:
 
 
 class LimitCheck(NamedTuple):
-    """Upper limit for a checked number, with the text and the remedy of the caveat for numbers above the limit.
+    """Check of one quantity against an upper limit, with the text and the remedy of the caveat if it is exceeded.
 
     In the text of the caveat, {} stands for the number named `about`.
     """
@@ -147,7 +147,7 @@ class LimitCheck(NamedTuple):
 
     @property
     def shown_name(self) -> str:
-        """Name of the number in the caveat's text: `about`, or `name` (the checked number) if `about` is empty."""
+        """Name of the checked quantity in the caveat's text: `about` or, if `about` is empty, `name`."""
         return self.about or self.name
 
     def to_caveat(self, numbers: Mapping[str, Any]) -> Caveat:
@@ -318,7 +318,7 @@ def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
 
 
 def _build_contact_checks(study: Study) -> CheckGroups:
-    """Return the groups of checks that apply to the contacts of a study; the first group checks the pull-off force."""
+    """Return checks for the contacts of a study, in groups; the first group checks the pull-off force."""
     text = "the pull-off force is a lower bound"
     if not study.is_gap:
         text += f": {{}} of the {study.member_names.plural} have only a bound"
@@ -337,7 +337,7 @@ def _build_status_caveat(status: str, study: Study) -> Caveat:
 
 
 def _growth_remedy_for_unnamed_materials(study: Study) -> str:
-    """Return advice for brittle bodies, which slip lines do not describe; empty if the materials are named."""
+    """Return advice for brittle bodies, for which slip-line theory does not hold; empty if the materials are named."""
     return "" if find_materials(study) else "; for rock, glass or ceramics, use --junction-growth 0"
 
 
@@ -383,7 +383,7 @@ def find_point_caveats(
 
 
 def find_smallest_check_limit(name: str, study: Study) -> float | None:
-    """Return the lowest limit with which contact checks compare the quantity `name`.
+    """Return the lowest of the limits that checks of the contacts set for the quantity `name`.
 
     Returns None if no check compares this quantity.
     """
@@ -405,7 +405,7 @@ def compute_checked_quantities(
     value: ArrayLike, lower: ArrayLike, upper: ArrayLike, *, mu0: ArrayLike, tau0: ArrayLike, pressure: ArrayLike,
     contact_count: ArrayLike, members: float, is_merged: ArrayLike,
 ) -> dict[str, Any]:  # fmt: skip
-    """Compute the quantities that checks compare with limits, each as an array, keyed by name.
+    """Compute the quantities that have limits in the checks for caveats: one array per quantity, keyed by name.
 
     `is_merged` is True where contacts have merged over much of the nominal area. Merged contacts are few, but each
     merged contact averages over many asperities.
@@ -431,7 +431,7 @@ def compute_checked_quantities(
 
 
 def list_contact_check_names(study: Study) -> list[str]:
-    """Return the names of all quantities that checks of contacts and of the rms gradient compare with limits."""
+    """Return the names of all quantities that have limits in the checks of the contacts and of the rms gradient."""
     check_groups = ([STEEP_SURFACE_CHECK], _build_contact_count_checks(study), *_build_contact_checks(study))
     return list(dict.fromkeys(check.name for group in check_groups for check in group))
 
@@ -458,7 +458,7 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: Sliding
 
 
 def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
-    """Return checks that compare the mean contact pressure with the pressure at which the bodies would yield.
+    """Return checks for caveats about contacts whose mean pressure exceeds the pressure at which the bodies yield.
 
     The limits are the hardness of the softer body or, without a hardness, typical fractions of E*. Returns no checks if
     the contact model limits the pressure, or if the effective modulus (GPa) is so small that the bodies are probably
@@ -508,7 +508,7 @@ def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
 def assess_ensemble_points(
     study: Study, status: NDArray[Any], numbers: Mapping[str, Any], unloaded_mask: NDArray[np.bool_]
 ) -> tuple[list[list[Caveat | LimitCheck]], NDArray[np.intp]]:
-    """Return the caveats and the failed checks at each result point of a study of generated surfaces.
+    """Return caveats and failed checks for each combination of parameters in a study of generated surfaces.
 
     For a single direction of motion, the reasons are the caveats of `find_point_caveats`. For several directions, each
     direction is assessed, whereas `find_point_caveats` assesses their mean. The arrays have equal shapes;
@@ -562,7 +562,7 @@ def assess_caveats(reasons: Iterable[Caveat | LimitCheck]) -> str:
 
 
 def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> Iterator[Caveat]:
-    """Yield caveats if junction growth is neglected, differs from the calibration, or makes friction unlimited."""
+    """Yield a caveat if junction growth is neglected, makes friction unlimited, or differs from that in the tests."""
     hardness = study.contact.hardness
     if hardness is None or not (mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS):
         return
@@ -663,7 +663,7 @@ def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingR
 def _find_caveats_about_unlimited_friction(
     point: xarray.Dataset, study: Study, law: friction.FrictionLaw, growth: UncertainInput
 ) -> Iterator[Caveat]:
-    """Yield a caveat if some input samples give unlimited friction, or if τ0 nearly equals the bulk shear strength."""
+    """Yield a caveat if friction is unlimited for some input samples, or if τ0 is close to the bulk shear strength."""
     law = replace(law, junction_growth=growth.high, uses_slip_lines=growth.uses_slip_lines)
     strength_ratio = float(law.bulk_strength_ratio(get_contact_hardness(point, study)))
     unlimited_fraction = mean_over_directions(point, "fraction_unlimited")
@@ -730,7 +730,9 @@ def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Cave
 
 
 def estimate_adhesion_load_ratio(point: xarray.Dataset, study: Study) -> float:
-    """Return the load that a typical work of adhesion would add to the contacts, divided by the applied load.
+    """Estimate the load that adhesion would add to the contacts, as a ratio to the applied load.
+
+    The work of adhesion is a typical one.
 
     The attraction per area w/ρ acts on the true area A, and on a rim around contacts of width d = (A/n)^(1/2) in which
     the gap is below the range ρ. The gap opens as in Pastewka & Robbins (PNAS 111 (2014) 3298), so that the ratio is
@@ -845,7 +847,7 @@ MAX_NEGLECTED_LAY_EFFECT = 0.02
 def find_lay_caveats(
     study: Study, rules: Sequence[SlidingRuleCoefficient], roughness_contribution: float | None
 ) -> Iterator[Caveat]:
-    """Yield a caveat if the lay of two profiles is assumed, and if another lay may change a reported coefficient.
+    """Yield a caveat if a lay is assumed for two profiles and another lay may change a reported coefficient.
 
     `rules` are the reported coefficients, one for each sliding rule, and `roughness_contribution` is the contribution
     of roughness to the coefficient if friction acts at all contacts. The lay only changes this contribution: without
@@ -879,7 +881,7 @@ def find_lay_caveats(
 
 
 def _is_coefficient(rule: SlidingRuleCoefficient) -> bool:
-    """Return whether the value for a sliding rule is a coefficient, and not NaN or a lower limit of the coefficient."""
+    """Return whether a sliding rule gives a coefficient, and not NaN or only a lower limit of the coefficient."""
     return not math.isnan(rule.value) and rule.status != friction.STATUS_BULK_SHEAR
 
 

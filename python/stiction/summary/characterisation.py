@@ -81,7 +81,7 @@ class Characterisation:
 
     @cached_property
     def scale_limited_body(self) -> Profile | Surface:
-        """Body from which the roughness parameters are computed: the profile itself, or the filtered surface."""
+        """Profile or filtered surface from which roughness parameters are computed; a profile is not filtered."""
         body = self.body
         if isinstance(body, Profile):
             return body
@@ -122,12 +122,12 @@ class Characterisation:
 
     @property
     def body_without_outliers(self) -> Profile | Surface:
-        """Body in which outliers are interpolated, and from which the spectrum is computed."""
+        """Body whose outliers are replaced by interpolated heights; the spectrum is computed from this body."""
         return self.defects.body_without_outliers
 
     @property
     def excluded_outliers(self) -> NDArray[np.bool_]:
-        """Mask of the outliers, at which `body_without_outliers` is interpolated."""
+        """Mask of the outliers, that is, of the points that have interpolated heights in `body_without_outliers`."""
         outliers = self.defects.outliers
         return outliers if self.body_without_outliers is not self.body else np.zeros_like(outliers)
 
@@ -199,7 +199,7 @@ class Characterisation:
 
     @cached_property
     def friction_estimates(self) -> tuple[float, ...]:
-        """Small-slope estimates of the friction coefficient along x and y, for this body on an equally rough body.
+        """Small-slope estimates of the coefficients of friction along x and y between two bodies as rough as this one.
 
         The tuple is empty if the slopes along an axis are 0.
         """

@@ -1,4 +1,4 @@
-"""Evaluation of a result: friction and other quantities, computed once from sums of contact forces and areas."""
+"""Evaluation of a result: friction and contact quantities, from stored sums of contact forces and contact areas."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ NUM_OVERVIEW_FRACTAL_DIMENSIONS = 4
 
 
 class Evaluation(MemberSums):
-    """Result of a study: friction from stored sums of contact forces and areas, and access to other stored results."""
+    """Result of a study: friction, computed from stored sums of contact forces and areas, and other stored results."""
 
     @cached_property
     def num_solved(self) -> int:
@@ -86,7 +86,7 @@ class Evaluation(MemberSums):
         return None if onset is None else self.scale_onset(onset)
 
     def scale_onset(self, onset: xarray.Dataset) -> xarray.Dataset | None:
-        """Scale the tangential loads of a computed onset, so that sliding starts at μ_s F (friction at all contacts).
+        """Scale the tangential loads of a computed onset; sliding then starts at μ_s F, with friction at all contacts.
 
         Returns None if the result has no coefficient, and the unchanged onset if the result does not include the rule
         "all".
@@ -108,7 +108,7 @@ class Evaluation(MemberSums):
 
     @property
     def values_at_cutoffs(self) -> xarray.Dataset | None:
-        """Friction of a few surface pairs at several cutoff wavelengths, or None if not stored with the result."""
+        """Friction of a few surface pairs at several cutoff wavelengths, or None if the result does not store it."""
         return self.load_companion(evaluate_at_cutoffs)
 
     @property
@@ -131,7 +131,7 @@ class Evaluation(MemberSums):
 
     @property
     def contact_forces(self) -> xarray.Dataset | None:
-        """Two profiles in contact in the asperity model, with the force on the upper profile at each contact.
+        """Force on the upper profile at each contact of a pair of profiles in the asperity model, and both profiles.
 
         None for maps, for the half-space model, and if no pair has contacts. The forces are computed on first use.
         """
@@ -139,12 +139,12 @@ class Evaluation(MemberSums):
 
     @property
     def height_factors(self) -> dict[ScaledBodies, list[float]]:
-        """Scale factors of heights in stored results, keyed by the scaled bodies: "both", "upper" or "lower"."""
+        """Factors by which heights are scaled in stored results, keyed by scaled body: "both", "upper" or "lower"."""
         return {} if self.stored is None else group_stored_factors(self.stored)
 
     @cached_property
     def input_caveats(self) -> tuple[Caveat, ...]:
-        """Caveats about the scans and other inputs of measured bodies, which apply at all loads.
+        """Caveats about the scans and other inputs of measured bodies; the caveats do not depend on the load.
 
         The files are read on first use.
         """
@@ -153,7 +153,7 @@ class Evaluation(MemberSums):
     # ---- Evaluation at a load ----------------------------------------------------------------------------------------
 
     def reached_loads(self, steps: int = 80) -> NDArray[np.float64]:
-        """Return a geometric series of loads (mN) up to the largest mean load of the result.
+        """Return loads (mN) in geometric progression, up to the largest load of the result (mean over surface pairs).
 
         Raises a `ValueError` if there is no contact.
         """
@@ -162,7 +162,7 @@ class Evaluation(MemberSums):
 
     @cached_property
     def default_loads(self) -> NDArray[np.float64]:
-        """Loads (mN) of the study or, if the study lists no loads, a few loads within the load range of the result.
+        """Loads (mN) listed in the study or, if it lists none, a few loads in the range that the result covers.
 
         Raises a `ValueError` if there is no contact.
         """
@@ -178,7 +178,7 @@ class Evaluation(MemberSums):
 
     @property
     def _at_all_dimensions(self) -> xarray.Dataset:
-        """Friction and contact quantities for all fractal dimensions, at the study's loads, mu0 and tau0."""
+        """Friction and sums over contacts for all fractal dimensions, at the loads, mu0 and tau0 of the study."""
         return self.compute_once(Evaluation._evaluate_at_all_dimensions)
 
     def _evaluate_at_all_dimensions(self) -> xarray.Dataset:
@@ -200,7 +200,7 @@ class Evaluation(MemberSums):
 
     @property
     def at_report_loads(self) -> xarray.Dataset:
-        """Friction and contact quantities of measured bodies, with intervals, at requested and at computed loads.
+        """Friction and contact quantities of measured bodies, with intervals, at all requested and all computed loads.
 
         mu0 and tau0 are those of the study. At the loads of the study, the dataset agrees with `at_study_loads`, which
         also contains predictions and the uncertainty budget. The arrays are read-only.
@@ -225,7 +225,7 @@ class Evaluation(MemberSums):
         budget: bool = False, height_scale: str | ArrayLike | None = None,
         scaled: Literal["both", "upper", "lower"] = "both", compute: bool = False,
     ) -> xarray.Dataset:  # fmt: skip
-        """Evaluate friction and other quantities, with their intervals, for any loads, mu0 and tau0.
+        """Evaluate friction and contact quantities with intervals for given loads, given mu0 and given tau0.
 
         No contacts are computed again, unless `compute` requires other factors of the heights.
 
@@ -348,7 +348,7 @@ class Evaluation(MemberSums):
     def contacts(
         self, load: str | ArrayLike | None = None, *, members: int | Sequence[int] | None = None
     ) -> pandas.DataFrame:
-        """Return a table with one contact per row, for a typical surface pair or for the given members.
+        """Return a table of contacts, one per row, for a typical surface pair or for surface pairs of given indices.
 
         Parameters
         ----------
@@ -445,7 +445,7 @@ class Evaluation(MemberSums):
     def summary(
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None
     ) -> Summary:
-        """Summarize the result for given values of load, mu0 and tau0.
+        """Summarize the result for one load, one mu0 and one tau0.
 
         By default, these are the loads, mu0 and tau0 of the study. The default summary is computed only once.
 
@@ -470,7 +470,7 @@ class Evaluation(MemberSums):
         return self.summarize_dataset(add_uncertainty(at_load(self, loads, mu0=mu0, tau0=tau0), self, budget=True))
 
     def complete_summary(self) -> Summary:
-        """Summarize the result for each load, mu0 and tau0 of the study, and for all fractal dimensions.
+        """Summarize the result for all loads, mu0, tau0 and fractal dimensions of the study.
 
         `summary` leaves out most fractal dimensions of a range. Raises a `ValueError` as `summary` does.
         """
@@ -479,7 +479,7 @@ class Evaluation(MemberSums):
         return summary if has_all_cells else self.summarize_dataset(self._at_all_dimensions)
 
     def summarize_dataset(self, at: xarray.Dataset) -> Summary:
-        """Summarize a dataset, or part of a dataset, that `at` returned with `budget=True`."""
+        """Summarize a dataset returned by `at` with `budget=True`, or a selection from this dataset."""
         import xarray
 
         check_instance("at", at, xarray.Dataset, "a dataset from Result.at")

@@ -1,4 +1,4 @@
-"""Datasets and surfaces for figures, evaluated from a result or generated from a study."""
+"""Data for figures: datasets that are evaluated from a result, and surfaces that are generated from a study."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
 
 
 def evaluate_positions(result: Evaluation, point: xarray.Dataset) -> xarray.Dataset:
-    """Add each surface pair's friction coefficient, as `member_friction`, to a dataset for one load, mu0 and tau0.
+    """Add to a dataset for one load, mu0 and tau0 the friction coefficient of each surface pair (`member_friction`).
 
     The variable has the dimensions repetition, direction and sliding.
     """
@@ -65,7 +65,7 @@ def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray
 def evaluate_height_factors(
     result: Evaluation, scaled_bodies: ScaledBodies, mu0_index: int = 0, tau0_index: int = 0
 ) -> xarray.Dataset:
-    """Evaluate friction at the study's first load for each height scale factor with a stored result.
+    """Evaluate friction at the study's first load for each factor of the heights for which a result is stored.
 
     Nominal area and area fraction are omitted if the study has no nominal area.
     """
@@ -107,7 +107,7 @@ class FrictionOverDimension:
 
 
 def iterate_motions(result: Evaluation) -> Iterator[tuple[str, Evaluation]]:
-    """Yield a file name suffix and the corresponding part of the result for each sliding rule and direction."""
+    """For each sliding rule and direction of motion, yield a suffix for file names and the result's data for them."""
     dims = [dim for dim in ("sliding", "direction") if dim in result.head.dims]
     if not dims:
         yield "", result
@@ -135,7 +135,7 @@ def evaluate_friction_over_dimension(result: Evaluation, mu0: Sequence[float]) -
 
 
 def _find_commonly_reached_load(result: Evaluation, lowest: float) -> float:
-    """Return a load (mN) that 90 % of the combinations of fractal dimension and amplitude reach.
+    """Return a load (mN) within the computed load range of 90 % of the pairs (fractal dimension, amplitude).
 
     The load is a power of 10, unless this power would be below `lowest` (mN). The load is at least `lowest`, even if
     fewer combinations reach `lowest`.

@@ -47,7 +47,7 @@ def table_study(
     repetitions: int = 12,
     seed: int = 2016,
 ) -> Study:
-    """Create the study for a friction table, in which periodic half-spaces with self-affine surfaces are pressed.
+    """Create the study for a friction table: self-affine surfaces in periodic contact, with the half-space model.
 
     Parameters
     ----------
@@ -148,7 +148,7 @@ def _to_hardness_entry(hardness: str | float) -> Any:
 
 
 def _require_positive_values(name: str, values: ArrayLike) -> list[float]:
-    """Convert an argument to a list of numbers, or raise a `ValueError` if a number is not above 0."""
+    """Convert an argument to a list of numbers; raise a `ValueError` if a number is 0, negative or NaN."""
     array = np.atleast_1d(float_array(name, values))
     if array.ndim != 1 or not array.size or not (array > 0).all():
         raise ValueError(f"{name} must be numbers above 0, got {short_repr(values)}")
@@ -158,7 +158,7 @@ def _require_positive_values(name: str, values: ArrayLike) -> list[float]:
 def friction_table(
     result: Evaluation | xarray.Dataset, *, mu0: ArrayLike | None = None, tau0: ArrayLike | None = None
 ) -> xarray.Dataset:
-    r"""Compute friction, true area and stiffness as functions of pressure, with laws fitted to area and stiffness.
+    r"""Compute friction, true area and stiffness as functions of pressure, and fit laws to true area and stiffness.
 
     Parameters
     ----------

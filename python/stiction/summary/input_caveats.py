@@ -79,7 +79,7 @@ def find_input_caveats(
     upper: MeasuredBody, lower: MeasuredBody, study: Study, loads: Sequence[float] = (),
     alternatives: Collection[str] = (),
 ) -> tuple[Caveat, ...]:  # fmt: skip
-    """Return the caveats about the scans of both bodies, other inputs of the study, and the given loads (mN).
+    """Return the caveats about a study's scans, about its other inputs, and about given loads (mN).
 
     `alternatives` contains the names of the alternative preparations that the interval includes.
     """
@@ -154,7 +154,7 @@ def find_input_caveats(
 
 
 def _find_strength_caveats(study: Study) -> Iterator[Caveat]:
-    """Yield the caveats about mu0 and tau0 of a study, and about its interface."""
+    """Yield caveats about the mu0 and tau0 of a study, and about the interface from which they come."""
     mu0 = max(float(value) for value in study.friction.mu0)
     if mu0 > MAX_PLAUSIBLE_MU0:
         text = f"μ0 = {mu0:g} is above {MAX_PLAUSIBLE_MU0:g}, the largest plausible μ0"
@@ -246,7 +246,7 @@ def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :
 
 
 def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return a caveat's remedy or, if the caveat's cutoff exceeds `longest` (µm), the advice to scan a longer part."""
+    """Return a caveat's remedy, or advice to scan more of the surface if the caveat's cutoff exceeds `longest` (µm)."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
     return (
@@ -264,7 +264,7 @@ _NUMBER_PATTERN = re.compile(r"\d[\d.]*")
 
 
 def _get_caveat_kind(caveat: Caveat) -> str:
-    """Remove the numbers from a caveat's text; the remaining text is equal for all caveats of the same kind."""
+    """Return a caveat's text without its numbers; caveats of the same kind have the same remaining text."""
     return _NUMBER_PATTERN.sub("", caveat.text)
 
 
@@ -332,7 +332,7 @@ def find_study_caveats(study: Study, alternatives: Collection[str] = ()) -> tupl
 
 
 def find_alternatives(study: Study) -> list[AlternativeName]:
-    """Return the names of alternative scan preparations whose results the interval of a study must include.
+    """Return names of other scan preparations; a coefficient's interval must include the results with all of them.
 
     Scans with spikes require one alternative, and scans with a blunt tip another one. Bodies with a hardness need the
     tip alternative because the interval of their true area does not include finer roughness. Raises a `ValueError` if a
@@ -368,7 +368,7 @@ def _get_axis_extents(body: MeasuredBody) -> tuple[float, float]:
 
 
 def have_different_spectra(joined: JoinedSpectrum) -> bool:
-    """Return whether a scan's spectral density differs from the others by more than a factor of 2, beyond chance."""
+    """Return whether a scan's spectral density differs from the others by over a factor of 2, and not by chance."""
     with np.errstate(invalid="ignore"):
         return bool(
             (np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_RATIO_OF_TWO_SPECTRA)).any()
@@ -443,7 +443,7 @@ def _find_instrument_caveats(
 
 
 def _describe_slope_fraction(limit: InstrumentLimit) -> str:
-    """Return a clause that states the fraction of the mean square slope below the shortest reliable wavelength."""
+    """Return a clause on the fraction of the mean square slope that is due to unreliably short wavelengths."""
     # The fraction is rounded to whole per cent, so that similar scans get caveats with the same text.
     fraction_text = f"{100 * limit.slope_fraction:.0f} %"
     axis_text = f" along {limit.axis}" if limit.axis else ""

@@ -1,4 +1,4 @@
-"""Caveats about a calibrated interface, and about inputs with different ranges in its tests and in the pair."""
+"""Caveats about a calibrated interface, and about inputs whose ranges in its friction tests and in the pair differ."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def find_interface_caveats(
     pair_checksum: str = "",
     caveats_of_missing_file: Mapping[str, str] | None = None,
 ) -> Iterator[Caveat]:
-    """Yield the caveats about a pair's interface, and about inputs with different ranges in its tests and in the pair.
+    """Yield caveats about a pair's interface, and about inputs whose ranges in its tests differ from those in the pair.
 
     `strength` is None if the file of the interface is missing or has changed. `name` is the name of the interface.
     `pair_checksum` identifies the pair among the tested pairs. `caveats_of_missing_file` contains the caveats that the
@@ -53,7 +53,7 @@ def find_interface_caveats(
 
 
 def find_range_caveats(strength: InterfaceStrength, inputs: Inputs, pair_checksum: str) -> Iterator[Caveat]:
-    """Yield a caveat for each input with equal central values but different ranges in a pair and its interface's tests.
+    """Yield a caveat for each input with one central value, but different ranges in a pair and its friction tests.
 
     Ranges with different central values belong to two quantities, such as the hardnesses of two materials. If an input
     is exact in the tests, the samples of the interface contain no error of this input, so that the range of the pair
@@ -86,7 +86,7 @@ def find_range_caveats(strength: InterfaceStrength, inputs: Inputs, pair_checksu
 
 
 def _get_tested_range_text(shared_input: SharedInput, strength: InterfaceStrength, unit: str) -> str:
-    """Return an input's range in the tests as text: two limits or, for the hardness, the text given to `calibrate`."""
+    """Return the range of an input in friction tests as text: as given to `calibrate` (hardness), or as two limits."""
     tested = shared_input.tested
     with contextlib.suppress(KeyError, ValueError):
         hardness = parse_study_input("hardness", strength.about[HARDNESS_HEADER_ENTRY])

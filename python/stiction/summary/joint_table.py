@@ -171,7 +171,7 @@ class JointTable:
 
 
 def choose_joint_loads(study: Study, nominal_area: float | None) -> Floats:
-    """Return the loads (mN) of a joint table: the computed loads of a measured pair, and loads between them.
+    """Return the loads (mN) of a measured pair's joint table: the study's loads, and further loads between them.
 
     The ratio of neighbouring loads is at most about `MAX_LOAD_RATIO`. The further loads belong to nominal pressures of
     four significant digits. Raises a `ValueError` if the bodies were
@@ -190,14 +190,14 @@ def choose_joint_loads(study: Study, nominal_area: float | None) -> Floats:
 
 
 def _check_pair_is_measured(study: Study, nominal_area: float | None) -> float:
-    """Return the nominal area of a measured pair; raise a `ValueError` if the bodies were generated."""
+    """Return the nominal area (µm²) of a measured pair, or raise a `ValueError` if the bodies were generated."""
     if nominal_area is None or not study.is_measured:
         raise ValueError("a joint table needs a measured pair, got generated surfaces; use stiction table instead")
     return nominal_area
 
 
 def parse_closure_start(closure_from: Any, study: Study, nominal_area: float | None) -> float:
-    """Return the load (mN) from which closure is counted; the user specifies a load or a nominal pressure.
+    """Return the load (mN) at which closure is 0; the user specifies this load or its nominal pressure.
 
     Raises a `ValueError` if the bodies were generated.
     """
@@ -300,7 +300,7 @@ def build_joint_table(
 
 
 def _count_closures_from(rows: Sequence[Mapping[str, Estimate]], start: int) -> list[Estimate]:
-    """Return the closures of a joint table relative to the closure in the row with index `start`.
+    """Return the closure in each row of a joint table, minus the closure in the row with index `start`.
 
     A closure between two pressures is the integral of the pressure over the stiffness of closure. Its limits are those
     for the limits of the stiffness at all pressures in between. If one of these is unknown, there is no interval.
@@ -328,7 +328,7 @@ def _count_closures_from(rows: Sequence[Mapping[str, Estimate]], start: int) -> 
 
 
 def _read_row(point: xarray.Dataset, pressure: float) -> dict[str, Estimate]:
-    """Return all quantities of a joint table at one pressure (GPa), in core units (µm, mN, GPa), keyed by name."""
+    """Return all quantities of a joint table for one nominal pressure (GPa), in µm, mN and GPa, keyed by name."""
     # The pressure is rounded to twelve digits, which removes its round-off.
     pressure = float(f"{pressure:.12g}")
     estimates = {"nominal_pressure": Estimate(pressure, name="nominal_pressure", unit="GPa")}
@@ -432,7 +432,7 @@ def describe_tangential_stiffness(study: Study, at: xarray.Dataset) -> str:
 
 
 def _compute_dundurs_beta(poisson: Any, compliance_share: float) -> float:
-    """Return |β|, Dundurs' parameter in plane strain, from Poisson's ratios and the lower body's fraction of 1/E*."""
+    """Return |β| (Dundurs' parameter, plane strain) from Poisson's ratios and the lower body's contribution to 1/E*."""
     factors = [(1 - 2 * ratio) / (1 - ratio) for ratio in parse_poisson_ratios(poisson)]
     return abs((1 - compliance_share) * factors[0] - compliance_share * factors[1]) / 2
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def missing_loads_text(result: MemberSums, values: xarray.Dataset, missing_loads: Sequence[float]) -> str:
-    """Return a sentence on loads without a coefficient, and on how to compute their coefficients.
+    """Return a sentence that lists loads without a friction coefficient, and states how to compute the coefficient.
 
     `values` is a dataset of `Result.at`, or a selection from it.
     """

@@ -159,14 +159,14 @@ def evaluate_generated_values(result: Evaluation) -> ReportValuesOfGeneratedSurf
 
 
 def count_coefficients(result: Evaluation) -> int:
-    """Return the number of friction coefficients that a report of this result contains."""
+    """Return the number of friction coefficients in a report of a given result."""
     return ReportGrid(result).num_coefficients
 
 
 def collect_report_data(
     result: Evaluation, picture: xarray.Dataset | None = None
 ) -> ReportDataOfMeasuredSurfaces | ReportDataOfGeneratedSurfaces:
-    """Collect the data of a report, except the arrays from which its sliders select a load, mu0 and tau0.
+    """Collect the data of a report, except for the arrays of results for each load, mu0 and tau0 of the sliders.
 
     `picture` comes from `contact_picture`; by default it is the picture that is stored with the result.
     """

@@ -62,7 +62,7 @@ class ParameterAxis:
 
 
 class ReportGrid:
-    """Choices that a report offers to its reader: load, mu0, tau0, directions of motion and kind of surface pairs.
+    """Values between which the reader of a report chooses: loads, mu0, tau0, directions and kinds of surface pairs.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class ReportGrid:
 
     @property
     def motions(self) -> list[list[int]]:
-        """Groups of directions (indices) over which a report averages friction: all, and each direction alone.
+        """Groups of directions, as lists of indices; a report averages friction over each group (all, or a single one).
 
         Reports on generated surfaces contain no mean over all directions.
         """
@@ -138,7 +138,7 @@ class ReportGrid:
         return tuple(tables)
 
     def evaluate_study_inputs(self) -> tuple[xarray.Dataset, ...]:
-        """Evaluate all quantities of measured bodies at each load of the grid, for the study's first mu0 and tau0.
+        """Evaluate contact quantities of measured bodies at each load of a report, for the study's first mu0 and tau0.
 
         There is one dataset for each kind of surface pair.
         """

@@ -126,7 +126,7 @@ def evaluate_measured_report(grid: ReportGrid) -> ReportValuesOfMeasuredSurfaces
 
 
 def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDArray[Any]]:
-    """Return the coefficients, statuses, numbers of members and small-slope estimates for each group of directions.
+    """Return arrays of coefficients, statuses, numbers of surface pairs and small-slope estimates per direction group.
 
     The arrays have one index for each group of directions in `motions`.
     """
@@ -158,7 +158,7 @@ def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDA
 
 
 def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.intp]:
-    """Return a status code for each mean coefficient, given the status of every averaged direction (axis 2)."""
+    """Combine the statuses of all directions (axis 2) over which each coefficient is averaged into one status code."""
     bulk_shear_code = STATUSES_BY_CODE.index(friction.STATUS_BULK_SHEAR)
     codes = np.select([statuses == name for name in STATUSES_BY_CODE], range(len(STATUSES_BY_CODE)))
     lowest_codes = np.where(codes == 0, len(STATUSES_BY_CODE), codes).min(axis=2)
@@ -221,7 +221,7 @@ class ReportValuesOfGeneratedSurfaces:
 
     @property
     def assessments(self) -> list[str]:
-        """Assessments such as "Do not quote", one for each set of caveats in `caveat_sets`."""
+        """Assessments such as "Do not quote"; entry i belongs to the set of caveats `caveat_sets[i]`."""
         return [assess_caveats(caveats) for caveats in self.caveat_sets]
 
 
@@ -235,7 +235,7 @@ def is_shown_in_report(name: str, values: Floats) -> bool:
 
 
 def get_validity_limit(name: str) -> float:
-    """Return the limit of a validity indicator, above which the asperity model is invalid.
+    """Return the upper limit of a quantity such as the overlap ratio; above the limit, the asperity model is invalid.
 
     Returns infinity for other quantities.
     """
@@ -284,7 +284,7 @@ def evaluate_generated_report(grid: ReportGrid, num_members: int) -> ReportValue
 
 
 def _find_unloaded_points(table: xarray.Dataset, statuses: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return a mask that is True where the load is negligible compared with the pull-off force."""
+    """Return a mask of the report's values at loads that are negligible compared with the pull-off force."""
     if "pull_off" not in table:
         return np.zeros(statuses.shape, np.bool_)
     pull_off = table["pull_off"].sel(statistic="mean", drop=True)
@@ -295,7 +295,7 @@ def _find_unloaded_points(table: xarray.Dataset, statuses: NDArray[Any]) -> NDAr
 def _compute_checked_numbers(
     table: xarray.Dataset, estimates: dict[str, Floats], study: Study, num_members: int
 ) -> dict[str, Any]:
-    """Compute the quantities that the assessment of generated surfaces compares with limits, keyed by name."""
+    """Compute the quantities that have limits in the assessment of generated surfaces, keyed by name."""
     mu0, tau0 = (_order_dimensions(table[name]) for name in ("mu0", "tau0"))
     area = estimates["area"][..., 0]
     surfaces: Any = study.surfaces
@@ -312,7 +312,7 @@ def _compute_checked_numbers(
 
 
 def _broadcast_means(table: xarray.DataArray, shape: tuple[int, ...]) -> Floats:
-    """Return the means of a quantity (without interval limits), expanded to the shape of the report's arrays."""
+    """Return the mean values of a quantity, repeated to fill an array of the shape that the report uses."""
     return np.broadcast_to(
         _order_dimensions(table.sel(statistic="mean") if "statistic" in table.dims else table), shape
     )

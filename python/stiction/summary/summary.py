@@ -90,7 +90,7 @@ class DwellTimeCoefficient(Estimate):
 
 @dataclass(frozen=True, eq=False)
 class PointSummary:
-    """Friction at one result point (one load, mu0 and tau0, for one roughness or cutoff), with caveats and assessment.
+    """Friction for one combination of load, mu0, tau0 and roughness (or cutoff), with its caveats and assessment.
 
     Attributes
     ----------
@@ -160,7 +160,7 @@ class PointSummary:
 
     @property
     def calibrated_rule(self) -> SlidingRule | None:
-        """Sliding rule under which the interface of the point was calibrated, or None if no tests were fitted."""
+        """Sliding rule assumed when the point's interface was calibrated, or None if no friction tests were fitted."""
         interface = self.study.friction.interface
         is_calibrated = interface is not None and not interface.is_published and self.has_values_of_interface
         return interface.fitted_rule if is_calibrated and interface is not None else None
@@ -186,7 +186,7 @@ class PointSummary:
 
     @cached_property
     def quoted_values(self) -> xarray.Dataset:
-        """Friction and contact quantities at this result point, under the reported sliding rule.
+        """Friction and contact quantities at this result point, for the sliding rule that output shows first.
 
         The true area of generated bodies depends slightly on the rule.
         """
@@ -244,7 +244,7 @@ class PointSummary:
 
     @property
     def adhesion_range(self) -> float:
-        """Range (µm) of the attraction with which the contacts of adhesive bodies were computed."""
+        """Range (µm) of the attraction, as used in the computation of adhesive contacts."""
         return get_adhesion_ranges(self.values, self.study)[1]
 
     @property
@@ -268,7 +268,7 @@ class PointSummary:
 
     @property
     def load_definition_effect(self) -> float:
-        """Largest relative change of the coefficient under another definition of the load; NaN if unknown."""
+        """Largest relative change of the coefficient if the load is defined in another way; NaN if unknown."""
         return self.numbers.get("load_definition_effect", math.nan)
 
     @property
@@ -327,7 +327,7 @@ class PointSummary:
 
 @dataclass(frozen=True, eq=False)
 class Summary:
-    """Summary of a result, with one `PointSummary` for each combination of load, mu0, tau0, and roughness or cutoff.
+    """Summary of a result: one `PointSummary` for each combination of load, mu0, tau0 and roughness (or cutoff).
 
     Attributes
     ----------
@@ -370,7 +370,7 @@ class Summary:
 
     @property
     def _points_at_cutoffs(self) -> xarray.Dataset | None:
-        """Friction at several cutoff wavelengths, from this or another stored result; None if neither has several."""
+        """Friction at several cutoffs, from this result or else from a stored result; None if both lack cutoffs."""
         points = self.at if self.at.sizes.get("cut_off", 0) > 1 else self.values_at_cutoffs
         return None if points is None else sort_sliding_rules(points, self.study)
 
@@ -381,7 +381,7 @@ class Summary:
 
     @property
     def reported_points(self) -> list[PointSummary]:
-        """Result points that output shows: all points except those that an interval at another cutoff covers.
+        """Result points that output shows: all except points that the intervals of another point already cover.
 
         The intervals of the points at the reported cutoff include the results at the covered cutoff.
         """
@@ -389,7 +389,7 @@ class Summary:
 
     @property
     def first(self) -> PointSummary:
-        """First of the result points that output shows."""
+        """First result point that output shows, that is, the first of `reported_points`."""
         return self.reported_points[0]
 
 
@@ -397,7 +397,7 @@ def summarize(
     at: xarray.Dataset, study: Study, *, input_caveats: Sequence[Caveat] = (),
     alternatives: Mapping[AlternativeName, Summary] | None = None, **alongside: Any,
 ) -> Summary:  # fmt: skip
-    """Summarize a dataset that `Result.at` returned for a study.
+    """Summarize the friction and contact quantities of a study, from a dataset that `Result.at` returned.
 
     Parameters
     ----------
@@ -427,7 +427,7 @@ def summarize(
 
 
 def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates: Mapping[str, float]) -> bool:
-    """Return whether the coefficient at given coordinates has an interval for each alternative preparation of scans."""
+    """Return whether every other preparation of the scans gives an interval of the coefficient at given coordinates."""
     return all(
         point.rules[0].has_interval
         for alternative in alternatives.values()
@@ -437,7 +437,7 @@ def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates
 
 
 def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, alternative: Summary) -> PointSummary:
-    """Add to a result point the severe caveats that occur only with an alternative preparation of the scans.
+    """Add to a result point the severe caveats that another preparation of the scans has, but the point itself lacks.
 
     Without these faults, errors of a scan could improve an assessment. For example, spikes hold two bodies apart, so
     that more contacts carry the load.
@@ -482,7 +482,7 @@ def _get_coordinates_without_cutoff(point: PointSummary) -> tuple[tuple[str, flo
 
 
 def _extend_point_to_other_cutoff(point: PointSummary, other_point: PointSummary) -> PointSummary:
-    """Widen the intervals of a result point to include those at another cutoff, and add the faults at that cutoff.
+    """Widen a result point's intervals to include the intervals at another cutoff, and add the severe caveats there.
 
     Filtering does not improve an assessment, so a fault at the other cutoff is also a fault of the reported point.
     """
@@ -517,7 +517,7 @@ def _extend_point_to_other_cutoff(point: PointSummary, other_point: PointSummary
 
 
 def _build_entry_of_possible_noise(point: PointSummary) -> UncertaintyBudgetEntry:
-    """Return the uncertainty budget's row for possible noise: the interval at the reported cutoff, before widening."""
+    """Return the uncertainty budget's row for possible noise: the interval that would remain if noise were excluded."""
     width = point.upper - point.lower
     return UncertaintyBudgetEntry(
         point.value, point.lower, point.upper, name="remaining_interval", kind="conditional",
@@ -538,7 +538,7 @@ def _extend_value_to_other_cutoff(
 def summarize_point(
     point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = (), *, covers_alternatives: bool = True
 ) -> PointSummary:
-    """Summarize one point (one load, mu0 and tau0) of a dataset from `Result.at`, with caveats about the bodies.
+    """Summarize friction at one load, mu0 and tau0 of a dataset from `Result.at`, and add caveats about the bodies.
 
     `covers_alternatives` is true unless the interval omits an alternative preparation of the scans.
     """
@@ -648,7 +648,7 @@ def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoef
 
 
 def _find_first_failure(table: xarray.Dataset) -> str:
-    """Return "ok" if all directions have this status, or else the first other status in alphabetical order."""
+    """Return the status of all directions: "ok", or else the first other status in alphabetical order."""
     statuses = np.unique(table["status"].values).tolist()
     return next((str(status) for status in statuses if status != friction.STATUS_OK), friction.STATUS_OK)
 
@@ -659,7 +659,7 @@ def _is_outside_asperity_model(table: xarray.Dataset) -> bool:
 
 
 def _read_coefficients(table: xarray.Dataset, name: str, dimension: str) -> dict[float, Estimate]:
-    """Return a quantity's estimates along a dimension, keyed by coordinate; return {} if either is missing."""
+    """Return estimates of a quantity, keyed by coordinate along a dimension; empty if the data lack either of them."""
     return read_estimates_along(table[name], dimension) if name in table and dimension in table[name].dims else {}
 
 
@@ -706,7 +706,7 @@ def _list_dwell_time_coefficients(point: xarray.Dataset, rule: str) -> tuple[Dwe
 def _compute_friction_contributions(
     point: xarray.Dataset, study: Study, rule: SlidingRuleCoefficient
 ) -> tuple[float, float, float] | None:
-    """Return the parts of a coefficient due to mu0, tau0 and slopes (friction at all contacts), or None if unknown."""
+    """Split a coefficient (friction at all contacts) into contributions of mu0, tau0 and slopes; None if unknown."""
     if rule.rule != "all" or not math.isfinite(rule.value) or rule.status == friction.STATUS_BULK_SHEAR:
         return None
     load = read_number(point, "load")
@@ -718,7 +718,7 @@ def _compute_friction_contributions(
 
 
 def has_central_value(study: Study, coordinates: Mapping[str, Any], name: str) -> bool:
-    """Return whether a result point's mu0 or tau0 (`name`) equals the central value of the first one in the study."""
+    """Return whether mu0 or tau0 (`name`) of a result point is the central value of the study's first mu0 or tau0."""
     return math.isclose(coordinates[name], float(getattr(study.friction, name)[0]), rel_tol=1e-3)
 
 
@@ -735,7 +735,7 @@ def are_strengths_separated(study: Study, coordinates: Mapping[str, Any]) -> boo
 
 
 def _get_point_coordinates(point: xarray.Dataset, study: Study) -> dict[str, float]:
-    """Return the coordinates of a result point, keyed by name, with the Hurst exponent of self-affine surfaces."""
+    """Return the coordinates (such as load, mu0, tau0 or Hurst exponent) of a result point, keyed by name."""
     coordinates = {
         name: read_number(point, name) for name in (*CELL_DIMENSIONS, "load", "mu0", "tau0") if name in point.coords
     }
@@ -778,7 +778,7 @@ def _invalidates_finer_scan_bounds(caveat: Caveat) -> bool:
 def _find_bounds_for_finer_scans(
     point: xarray.Dataset, study: Study, coefficient: SlidingRuleCoefficient
 ) -> tuple[float, float] | None:
-    """Return lower and upper bounds on a finer scan's coefficient, which are accurate to second order in the slope.
+    """Return bounds on the coefficient that a finer scan would give; the bounds are accurate to second order in slope.
 
     The upper bound is the upper limit of the interval, plus an allowance for load that shorter wavelengths shift
     between contacts of different members. No bounds exist if the interface of contacts that yield is stronger than the

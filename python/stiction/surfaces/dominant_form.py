@@ -1,4 +1,4 @@
-"""Detection of a form that dominates a scan: a parabola (maps), or a straight step (maps and profiles)."""
+"""Detection of a large form in a scan: a parabola (in maps), or a straight height step (in maps or profiles)."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def measure_parabola_fraction(body: Surface) -> float:
 
 
 def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
-    """Find the height step that explains most of a scan's mean square height.
+    """Find the height step that accounts for most of the mean square height of a scan.
 
     Returns None if no step is sharp.
 

@@ -113,7 +113,7 @@ def filtered(
 
 
 def validate_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: float) -> float:
-    """Check that a cutoff (µm) is between half the grid spacing and `longest` times the shortest side of a body.
+    """Check that a cutoff (µm) is at least half the grid spacing, and at most `longest` times a body's shortest side.
 
     Returns the cutoff.
     """
@@ -240,7 +240,7 @@ def _filter_reflected(heights: Floats, cutoffs_in_points: Sequence[float]) -> Fl
 
 
 def _divide_by_weights(sums: Floats, weights: Floats, heights: Floats) -> Floats:
-    """Divide weighted sums of heights by the sums of weights.
+    """Divide weighted sums of heights by sums of weights to obtain weighted mean heights.
 
     Where a sum of weights is too small, the height is kept.
     """
@@ -286,7 +286,7 @@ class _FilterKernel:
         )[: half_width + 1]
 
     def compute_cyclic_weights(self, power: int) -> Floats:
-        """Return each filter weight times (distance / cutoff)^`power`, ordered as a cyclic convolution requires."""
+        """Return filter weights times (distance / cutoff)^`power`, in the cyclic order for a Fourier transform."""
         half_weights = self._weights * self._offset**power
         weights = np.zeros(self.padded_size)
         weights[: half_weights.size] = half_weights if power % 2 == 0 else -half_weights
@@ -296,7 +296,7 @@ class _FilterKernel:
 
 
 def _fit_local_lines(heights: Floats, axis: int, cutoff_in_points: float, samples_weights: bool) -> Floats:
-    """Fit a line with Gaussian weights around each point along an axis, and return the line's height at the point."""
+    """At each point, fit a line to nearby heights along an axis, with Gaussian weights; return the fitted height."""
     from scipy.fft import irfft, rfft
 
     kernel = _FilterKernel(heights.shape[axis], cutoff_in_points, samples_weights)
@@ -321,7 +321,7 @@ def _fit_local_polynomials(
     heights: Floats, weights: Floats, cutoffs_in_points: Sequence[float], basis: Sequence[MonomialExponents],
     samples_weights: bool = False,
 ) -> Floats:  # fmt: skip
-    """Fit a weighted polynomial around each point, and return the polynomial's height at the point.
+    """At each point, fit a polynomial to nearby heights, with weights; return the fitted height at the point.
 
     The weights are Gaussian weights times `weights`.
     """
@@ -368,7 +368,7 @@ def _solve_constant_terms(
     right_sides: list[Floats],
     heights: Floats,
 ) -> Floats:
-    """Solve the normal equations of each local polynomial by Gaussian elimination, and return the constant terms.
+    """Solve the normal equations of each local polynomial by Gaussian elimination; return the constant coefficients.
 
     Where the equations are singular, the result is the weighted mean of the heights. Where no measured point is within
     reach, the result is the height of the point.

@@ -126,7 +126,7 @@ def _minimize_loss(
 
 
 def _compute_loss(spectra: Sequence[BinnedSpectrum], parameters: Floats) -> tuple[float, Floats, Floats, Floats]:
-    """Return the negative log-likelihood of a fit, with gradient, Hessian and diagonal of the expected Hessian.
+    """Return a fit's negative log-likelihood, its gradient, its Hessian, and the diagonal of the expected Hessian.
 
     The diagonal of the expected Hessian is positive. The log-likelihood has an arbitrary constant.
     """

@@ -67,7 +67,7 @@ def fit_round_form(
 
 
 def _compute_arc_heights(squared_distance: Floats, tangent_height: Floats, curvature: float, cosine: float) -> Floats:
-    """Return the heights of points on a tilted circular arc, relative to the middle of the arc.
+    """Return the heights of points on a tilted circular arc, measured from the height of the arc's middle.
 
     Each point is specified by its squared distance from the middle, and by the height of the tangent of the middle at
     this point, which has the sign of the tilt. `cosine` is the cosine of the angle of tilt.
@@ -107,7 +107,7 @@ _FORM_MODELS: dict[str, _FormModel] = {
 
 
 def _estimate_form_parameters(form: RoundForm, points: PointCoordinates, heights: Floats) -> Floats:
-    """Estimate start parameters for the fit of a circle, sphere or cylinder from a least-squares paraboloid."""
+    """Estimate initial parameters for fitting a circle, sphere or cylinder, from a fitted parabola or paraboloid."""
     x, y = points
     if form == "circle":
         quadratic_term, slope, height = np.polynomial.polynomial.polyfit(x, heights, 2)[::-1]

@@ -24,7 +24,7 @@ _BACKGROUND_DENSITY_QUANTILE = 0.3
 
 
 def find_texture_harmonics(density: Floats) -> tuple[float, float]:
-    """Find the first harmonic of a periodic texture in a spectrum, and the distance between harmonics, both in bins.
+    """Find two bin numbers of a periodic texture's spectrum: the first harmonic, and the distance between harmonics.
 
     Returns NaN if there is no periodic texture.
 
@@ -86,7 +86,7 @@ def estimate_density_between_harmonics(density: Floats, count: Floats, distance:
 
 
 def _compute_median_between_harmonics(padded_density: Floats, harmonics: Floats, distance: float) -> Floats:
-    """Return the median spectral density around each harmonic, within half a harmonic distance and outside the peak."""
+    """Return the median spectral density next to each harmonic: up to half the harmonic distance, without the peak."""
     bins = np.arange(padded_density.size)
     medians = []
     for harmonic in harmonics.tolist():

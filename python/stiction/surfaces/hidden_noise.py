@@ -35,7 +35,7 @@ _MAX_FITTED_NOISE_RATIO = 2.0
 
 @dataclass(frozen=True)
 class NoiseHiddenInSpectrum:
-    """White noise that a scan may contain although its spectrum shows no noise floor, and a suitable filter cutoff."""
+    """White noise that may be hidden in a scan's spectrum, and the cutoff that removes as much mean square slope."""
 
     slope_fraction: float
     # Cutoff (µm) of the low-pass filter that removes the fraction `slope_fraction` of the mean square slope.
@@ -98,7 +98,7 @@ def _estimate_short_wavelength_noise(surface: Surface, periodic: bool) -> float:
 
 
 def _bin_short_wavelengths(spectrum: LineSpectrum, periodic: bool) -> BinnedSpectrum | None:
-    """Average a spectrum in bins at wavelengths of up to 16 grid spacings, or return None if there are too few bins."""
+    """Average a spectrum's short wavelengths (up to 16 grid spacings) in bins, or return None for too few bins."""
     q, density, count, spacing = spectrum
     # The first two harmonics are excluded, because the Hann window adds power from longer wavelengths to them.
     if not periodic:

@@ -63,7 +63,7 @@ class PowerLawFit:
         return math.log((self._power * np.exp(exponent * self._log_q)).sum()) + math.log(self._max_power)
 
     def loss(self, exponent: float) -> float:
-        """Return the negative log-likelihood (plus a constant) of a power law with this exponent and best prefactor."""
+        """Return the negative log-likelihood (plus a constant) of the best power law with a given exponent."""
         return self._total_weight * self._log_power_at_mean_q(exponent)
 
     @property
@@ -72,7 +72,7 @@ class PowerLawFit:
         return self._log_power_at_mean_q(self.exponent) + self.exponent * self._mean_log_q
 
     def exponent_interval(self, max_loss: float) -> tuple[float, float]:
-        """Return the smallest and the largest exponent whose negative log-likelihood is at most `max_loss`."""
+        """Return the range of power-law exponents for which the negative log-likelihood is at most `max_loss`."""
         interval_ends = []
         for sign in (-1.0, 1.0):
             inner_offset, outer_offset = 0.0, 0.1
@@ -90,7 +90,7 @@ class PowerLawFit:
 
 
 def _fit_exponents(log_q: Floats, power: Floats) -> Floats:
-    """Return the exponent s of the best-fitting power law P ∝ q^-s for each row of weighted spectral powers."""
+    """For each row of weighted spectral powers, return the exponent s of the power law P ∝ q^-s that fits best."""
     exponents = np.zeros(len(power))
     unconverged_rows = np.arange(len(power))
     # Newton's method converges, because the loss is a convex log-sum-exp function.
@@ -335,7 +335,7 @@ def estimate_hurst_exponent(
 
 
 def _select_profile_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Normalize a profile by its largest height; return wave numbers and powers of harmonics, and this height (µm)."""
+    """Return wave numbers and powers of a profile's harmonics, and the height (µm) used to make them dimensionless."""
     heights = profile.heights - profile.heights.mean()
     if not periodic:
         centred_index = np.arange(heights.size) - (heights.size - 1) / 2
@@ -354,7 +354,7 @@ def _select_profile_harmonics(profile: Profile, periodic: bool) -> tuple[Floats,
 
 
 def _select_areal_harmonics(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Normalize a map by its largest height; return wave numbers and powers of harmonics, and this height (µm)."""
+    """Return wave numbers and powers of a map's harmonics, and the height (µm) used to make them dimensionless."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights
@@ -395,7 +395,7 @@ class _SpectrumBins:
         return _SpectrumBins(self.first[start:end], self.log_q[start:end], self.power[start:end], self.count[start:end])
 
     def deviance(self, exponent: float, weight: Floats) -> float:
-        """Return the deviance, per degree of freedom, between the binned spectrum and a power law q^-`exponent`."""
+        """Return the deviance per degree of freedom of the binned spectrum from a power law with a given exponent."""
         ratio = self.power * np.exp(exponent * (self.log_q - self.log_q.mean()))
         ratio /= np.average(ratio, weights=weight)
         return float(2 * (weight * (ratio - 1 - np.log(ratio))).sum() / max(1, ratio.size - 2))
@@ -472,7 +472,7 @@ def _remove_noisy_end(
 
 
 def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> tuple[Floats, Floats]:
-    """Fit a power law with a flat roll-off to a binned spectrum, for each bin at which the roll-off may end.
+    """Fit to a spectrum a constant up to a bin and a power law beyond it; do so for each bin that may be the limit.
 
     If the roll-off ends in bin 0, there is no roll-off. Returns the logarithms of the wave numbers for each fit, which
     are constant in the roll-off, and the losses.
@@ -486,7 +486,7 @@ def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> tuple[Floats, Floats]
 def _fit_spectrum_pieces(
     bins: _SpectrumBins, weight: Floats
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats, Floats]:
-    """Fit a power law to every range of consecutive bins in a spectrum.
+    """Fit a separate power law to each possible range of consecutive bins of a spectrum.
 
     Returns four arrays over the ranges: first bin, exclusive end, exponent and loss.
     """
@@ -502,7 +502,7 @@ def _fit_spectrum_pieces(
 def _select_spectrum_pieces(
     bin_count: int, starts: NDArray[np.intp], piece_ends: NDArray[np.intp], losses: Floats
 ) -> list[int]:
-    """Select the fitted pieces that cover a spectrum with the lowest total loss, including a penalty for each piece."""
+    """Select fitted ranges of bins that cover a spectrum with the least total loss, including a penalty per range."""
     min_loss, last_piece = np.full(bin_count + 1, np.inf), np.full(bin_count + 1, -1)
     min_loss[0] = 0.0
     for piece in np.argsort(piece_ends, kind="stable"):

@@ -20,7 +20,7 @@ SPACING_TOLERANCE = 1e-6
 
 
 class ExtractedHeights(NamedTuple):
-    """Heights, spacing, history and missing points of a body of this package, or of an object of another library."""
+    """Heights, spacing, history and missing points, extracted from a profile, a map, or another library's object."""
 
     heights: Floats  # µm, (n,) or (rows, columns)
     spacing: tuple[float, ...]  # (Δx,) or (Δy, Δx), µm

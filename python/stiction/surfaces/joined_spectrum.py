@@ -1,4 +1,4 @@
-"""Spectrum of a surface, joined from several scans, each of which is used at its reliable wavelengths."""
+"""Spectrum of a surface, joined from several scans; each scan contributes the wavelengths at which it is reliable."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def _bin_edge_ratio(self) -> float:
-        """Ratio of the largest wave number in a bin to the wave number at the centre of the bin."""
+        """Ratio of the wave number at the upper edge of a bin to the wave number at the centre of the bin."""
         return math.sqrt(self.wave_number[1] / self.wave_number[0])
 
     @property
@@ -94,7 +94,7 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def disagreement(self) -> Floats:
-        """Ratio of each scan's spectral density to that of the other scans, averaged over shared wavelengths.
+        """Spectral density of each scan, divided by that of the other scans and averaged over shared wavelengths.
 
         The shape is (scans,). The mean is NaN for a scan without overlap.
         """
@@ -117,7 +117,7 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def chance(self) -> Floats:
-        """Standard deviation of ln(`disagreement`) that chance alone causes if all scans have equal true spectra."""
+        """Standard deviation of ln(`disagreement`) from random scatter, if all scans had the same true spectrum."""
         is_shared = (self.contribution > 0).sum(axis=0) > 1
         independent_counts = self.contribution * self.count / _WAVE_VECTORS_PER_INDEPENDENT_VALUE
         log_deviations = np.full(len(self.bands), np.nan)
@@ -186,7 +186,7 @@ def joined_spectrum(
     names: Sequence[str] | None = None,
     per_decade: int = 10,
 ) -> JoinedSpectrum:
-    """Join the spectra of several scans of a surface, from one instrument or several.
+    """Join the spectra of several scans of one surface; the scans may come from different instruments.
 
     Parameters
     ----------
@@ -292,7 +292,7 @@ def _parse_values_of_scans(name: str, values: Sequence[float | None] | None, sca
 def _find_reliable_band(
     body: Profile | Surface, given_limit: float | None, tip_radius: float | None
 ) -> tuple[tuple[float, float], str]:
-    """Return the band of wavelengths (µm) in which a scan is reliable, and the reason for its shortest wavelength."""
+    """Return the reliable wavelength band (µm) of a scan, and the reason why shorter wavelengths are not reliable."""
     spacing, side_length = max(body.spacings), float(np.min(body.extent))
     if given_limit is not None:
         shortest_wavelength, reason = given_limit, "given"
@@ -317,7 +317,7 @@ def _find_reliable_band(
 def _average_in_bins(
     body: Profile | Surface, band: tuple[float, float], per_decade: int
 ) -> dict[int, tuple[float, float]]:
-    """Average a scan's spectral density in bins of wave number; return wave vector count and mean density per bin."""
+    """Average a scan's spectral density in bins of wave number; return number of wave vectors and mean per bin."""
     min_wave_number, max_wave_number = (2 * math.pi / wavelength for wavelength in reversed(band))
     if isinstance(body, Profile):
         ring_spectrum = isotropic_spectrum(levelled(body, "line"))

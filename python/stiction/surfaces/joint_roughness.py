@@ -1,4 +1,4 @@
-"""Roughness of rock joints along a direction: Z2, joint roughness coefficient, mean rising and mean falling slope.
+"""Roughness of rock joints: Z2, joint roughness coefficient, mean rising slope and mean falling slope.
 
 Tse & Cruden, International Journal of Rock Mechanics and Mining Sciences 16 (1979) 303.
 """
@@ -22,7 +22,7 @@ MIN_Z2, MAX_Z2 = 0.1, 0.42
 
 @dataclass(frozen=True)
 class JointRoughness:
-    """Slopes of a face of a rock joint along a direction: Z2, mean rising slope and mean falling slope.
+    """Z2, mean rising slope and mean falling slope of a rock joint's face in one direction.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class JointRoughness:
 
 
 def measure_joint_roughness(face: Any, direction: float) -> JointRoughness:
-    """Measure the slopes of a profile or map of a rock joint along a direction (degrees from +x towards +y)."""
+    """Measure Z2 and the mean slopes of a rock joint's profile or map in a direction (degrees from +x towards +y)."""
     angle = math.radians(direction)
     direction_vector = np.array([math.sin(angle), math.cos(angle)])[-face.heights.ndim :]
     spacing = np.array(face.spacings)

@@ -28,7 +28,7 @@ _MIN_LINE_POINTS = 7
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LineRoughness(TextReprMixin):
-    """Roughness of the rows or columns of a height map, each of which is levelled by its least-squares line.
+    """Roughness of a height map along its rows or columns; each row or column is levelled by a least-squares line.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class LineRoughness(TextReprMixin):
 
     @property
     def is_straight(self) -> bool:
-        """True if the mean spectrum of the lines is nearly a power law, that is, straight on logarithmic axes."""
+        """True if the lines' mean spectrum is almost a power law, so that it is straight on logarithmic axes."""
         return self.misfit <= MAX_POWER_LAW_MISFIT
 
 
@@ -162,7 +162,7 @@ def line_roughness(
 def lines_along_both(
     surface: Surface, *, band: tuple[float, float] | None = None
 ) -> tuple[LineRoughness, LineRoughness]:
-    """Compute the roughness of a map along x and along y, with Hurst exponents fitted in a common band if possible.
+    """Compute the roughness of a map along x and y; Hurst exponents are fitted in the same band if possible.
 
     Parameters
     ----------

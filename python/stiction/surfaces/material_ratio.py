@@ -104,7 +104,7 @@ def heights_at_material_ratios(heights: Floats, ratios: ArrayLike) -> Floats:
 
 
 class VolumeParameters(NamedTuple):
-    """Volumes per area of a surface (peak and core material, core and valley voids), in the unit of the heights."""
+    """Volumes of peak material, core material, core void and valley void of a surface, each divided by the area."""
 
     peak_material: float
     core_material: float
@@ -113,7 +113,7 @@ class VolumeParameters(NamedTuple):
 
 
 def material_volumes(heights: Floats) -> VolumeParameters:
-    """Compute material and void volumes per area; material ratios of 10 % and 80 % separate peaks, core and valleys."""
+    """Compute material and void volumes per area; peaks, core and valleys meet at material ratios of 10 % and 80 %."""
     core_top, core_bottom = heights_at_material_ratios(heights, [PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO]).tolist()
     peak_volume, volume_above_bottom = (
         float(np.maximum(heights - core_limit, 0).mean()) for core_limit in (core_top, core_bottom)
@@ -127,7 +127,7 @@ def material_volumes(heights: Floats) -> VolumeParameters:
 
 
 class CoreParameters(NamedTuple):
-    """Core height, reduced peak height and reduced pit depth, and the material ratios that bound the core."""
+    """Core height, reduced peak height, reduced pit depth, and the smallest and largest material ratio of the core."""
 
     core_height: float
     reduced_peak_height: float

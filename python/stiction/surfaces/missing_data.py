@@ -66,7 +66,7 @@ def interpolate_missing_points(heights: Floats, *, extrapolate: bool) -> Floats:
 
 
 def compute_scattered_missing_fraction(missing: NDArray[np.bool_]) -> float:
-    """Return the fraction of points that are missing, but whose two neighbours along x or along y are measured."""
+    """Return the fraction of points that are missing, with both neighbours along x or both along y measured."""
     is_between = np.zeros(missing.shape, np.bool_)
     for axis in range(missing.ndim):
         missing_lines, between_lines = np.moveaxis(missing, axis, -1), np.moveaxis(is_between, axis, -1)
@@ -85,7 +85,7 @@ def find_largest_gap(missing: NDArray[np.bool_]) -> tuple[int, tuple[slice, ...]
 
 
 def with_interpolated_points(body: AnyBody, points: NDArray[np.bool_]) -> AnyBody:
-    """Return a copy of a body with given points interpolated, or the body itself if no points are given.
+    """Return a copy of a body in which given points are interpolated; without points, return the body itself.
 
     The missing points of the body are interpolated again, because their heights may depend on the given points.
     """
@@ -165,7 +165,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
 
 
 def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[Floats]) -> Floats:
-    """Return the smaller of two ratios at each point, each a deviation of the height divided by its typical value.
+    """At each point, divide two deviations of the height by their typical values; return the smaller ratio.
 
     A ratio that is NaN is ignored.
     """
@@ -175,7 +175,7 @@ def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[F
 
 @dataclass(frozen=True, eq=False)
 class _NeighbourDeviations:
-    """Deviations of heights from neighbouring heights: medians over a scan, and deviations divided by the median.
+    """Deviations of heights from neighbours: median of a scan, and each point's deviation divided by this median.
 
     Edge points have a different median than other points.
     """
@@ -184,7 +184,7 @@ class _NeighbourDeviations:
     relative_deviations: Floats
 
     def at_points(self, points: tuple[NDArray[np.intp], ...]) -> Floats:
-        """Return, at each given point, the typical deviation (µm) of heights from neighbouring heights.
+        """Return the typical deviation (µm) of heights from neighbouring heights, near each of the given points.
 
         It is the larger of two medians: over a window around the point, and over the whole scan. A worn surface is
         smoother on plateaus than in valleys, so the median of the scan alone is not sufficient.
@@ -203,7 +203,7 @@ class _NeighbourDeviations:
 def _find_neighbour_deviations(
     deviations: Floats, is_measured: NDArray[np.bool_], at_edge: NDArray[np.bool_], heights: Floats, step: float
 ) -> _NeighbourDeviations:
-    """Compute the median deviation of heights from neighbouring heights, separately for edge points and inner points.
+    """Compute median deviations of heights from neighbouring heights: one for edge points and one for inner points.
 
     `step` is the rounding step of the heights (µm). Where most deviations are at most one step, they may be due to
     rounding, and the region counts as flat. In scans with flat regions, rough regions and their neighbourhoods have the
@@ -241,7 +241,7 @@ def _find_neighbour_deviations(
 def _compute_deviations_from_neighbours(
     heights: Floats, remaining_heights: Floats
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return two measures of each height's deviation from its neighbours, and a mask of points at edges of the data.
+    """For each height, return two deviations from neighbours, and whether the point is at an edge of the data.
 
     The first measure compares a height with means of opposite neighbours, and the second with lines through two
     neighbours on one side. Deviations are NaN at points with too few measured neighbours. Maps are evaluated in strips
@@ -263,7 +263,7 @@ def _compute_deviations_from_neighbours(
 def _compute_deviations_in_strip(
     heights: Floats, padded_heights: Floats, reach: int
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return two deviations from neighbours for each height in a strip, and a mask of points at edges of the data.
+    """For each height in a strip, return two deviations from neighbours, and whether it is at an edge of the data.
 
     A strip is a range of map rows, or a whole profile.
     """
@@ -301,7 +301,7 @@ def _compute_deviations_in_strip(
 
 
 def _find_smallest(values: list[Floats], kept_count: int) -> list[Floats]:
-    """Return, at each point, the `kept_count` smallest among the numbers of several arrays, in ascending order.
+    """At each point, return the `kept_count` smallest of the numbers in several arrays, in ascending order.
 
     NaN is replaced by infinity.
 
@@ -319,7 +319,7 @@ def _find_smallest(values: list[Floats], kept_count: int) -> list[Floats]:
 
 
 def _compute_finite_median(values: list[Floats], min_count: int) -> Floats:
-    """Return, at each point, the median of the finite numbers in several arrays.
+    """At each point, return the median of the numbers in several arrays, without NaN and infinity.
 
     Returns NaN for fewer than `min_count`.
     """

@@ -1,4 +1,4 @@
-"""Pairs of surfaces from two scans: pairs of lines, pairs of map pieces, or pairs of surrogates.
+"""Pairs of surfaces that are made from two scans: lines, pieces of maps, or surrogates.
 
 A pair depends only on the scans, the options and its index. Neither the number of pairs nor the process
 that computes a pair affects the pair.
@@ -61,7 +61,7 @@ def quasi_random_point(index: int, dimensions: int) -> tuple[float, ...]:
 
 @dataclass(frozen=True, eq=False)
 class LinePairs:
-    """Pairs of lines from two scans, or from surrogates of these lines.
+    """Pairs (upper line, lower line) from two scans, or from surrogates of such lines.
 
     `paired_lines` describes the options.
     """
@@ -78,14 +78,14 @@ class LinePairs:
     count: int | None = None
 
     def max_pair_count(self) -> int | None:
-        """Return the number of different line pairs, or None (unlimited) for pairs of surrogates."""
+        """Return how many different line pairs two scans provide, or None for surrogates (no limit)."""
         if self.surrogates != "none":
             return None
         line_counts = [self._count_lines(body) for body in (self.upper, self.lower) if isinstance(body, Surface)]
         return min(line_counts, default=1)
 
     def position_across_lines(self, index: int) -> float:
-        """Return the distance (µm) of a pair's upper line from the first line of the upper map; 0 for profiles."""
+        """Return the distance (µm) from the upper map's first line to the upper line of a pair; 0 for profiles."""
         if not isinstance(self.upper, Surface):
             return 0.0
         line_distance = self.upper.spacing[0 if self.along == "x" else 1]
@@ -171,7 +171,7 @@ def paired_lines(
     surrogates: SurrogateBodies = "none",
     seed: int = 2016,
 ) -> tuple[list[Profile], list[Profile]]:
-    """Return sliders (flipped profiles of the upper scan) and counterfaces (profiles of the lower scan) for `press`.
+    """Return two lists of profiles for `press`: flipped lines of the upper scan, and lines of the lower scan.
 
     Parameters
     ----------
@@ -254,7 +254,7 @@ def _crop_to_equal_length(
 
 
 def piece_below_slider(lower: Profile, offset: float, slider: Profile) -> Profile:
-    """Return the part of the lower profile under a slider that begins at the position `offset` (µm)."""
+    """Return the part of the lower profile that lies under a slider, from `offset` (µm) to the slider's end."""
     start_index = round(offset / lower.spacing)
     selected_range = slice(start_index, start_index + len(slider))
     return Profile(
@@ -291,7 +291,7 @@ class MapPairs:
 
     @cached_property
     def _map_shapes(self) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Numbers of rows and columns of each map after resampling to the spacings of the pieces."""
+        """Shape (rows, columns) of each map after resampling to the grid spacing of the pairs of map pieces."""
         return tuple(  # type: ignore[return-value]
             tuple(
                 points
@@ -304,12 +304,12 @@ class MapPairs:
 
     @cached_property
     def _shifts_in_points(self) -> tuple[tuple[int, int], ...]:
-        """Shifts of the upper map as (rows, columns), rounded from the shifts in µm."""
+        """Shifts of the upper map in whole grid points (rows, columns), rounded from shifts in µm."""
         dy, dx = self.spacing
         return tuple((round(y / dy), round(x / dx)) for x, y in self.shifts or ())
 
     def _find_overlap(self, steps: tuple[int, int]) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Return the overlap of both maps at a shift: first row and column in the lower map, and overlap shape."""
+        """Return where two shifted maps overlap: first row and column in the lower map, and shape of the overlap."""
         starts = tuple(max(0, step) for step in steps)
         ends = (
             min(lower_points, step + upper_points)
@@ -350,7 +350,7 @@ class MapPairs:
 
     @property
     def piece_fractions(self) -> tuple[float, float]:
-        """Ratio of a piece's area to the area of the upper map, and to the area of the lower map."""
+        """Two ratios: area of a piece to area of the upper map, and area of a piece to area of the lower map."""
         piece_size = np.prod(self.shape)
         return tuple(float(piece_size / np.prod(map_shape)) for map_shape in self._map_shapes)  # type: ignore[return-value]
 
@@ -366,7 +366,7 @@ class MapPairs:
         return (2 * margins[0] + 1) * (margins[1] // 2 + 1) if equal_size else (margins[0] + 1) * (margins[1] + 1)
 
     def piece_origins(self, index: int) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Return the first row and column of a pair's upper piece and of its lower piece, on the resampled grid."""
+        """Return (first row, first column) on the resampled grid, for the upper and for the lower piece of a pair."""
         if self.shifts is not None:
             overlap_start, overlap_shape = self._find_overlap(self._shifts_in_points[index])
             lower_origin = tuple(
@@ -404,7 +404,7 @@ class MapPairs:
         return (lower_origin[1] - upper_origin[1]) * dx, (lower_origin[0] - upper_origin[0]) * dy
 
     def pair(self, index: int) -> tuple[Surface, Surface]:
-        """Return the levelled upper and lower piece of the pair with a given index."""
+        """Return the pair with a given index: upper piece and lower piece, both levelled."""
         upper_origin, lower_origin = self.piece_origins(index)
         return self._cut_piece(self.upper, upper_origin), self._cut_piece(self.lower, lower_origin)
 
@@ -424,7 +424,7 @@ class MapPairs:
 
 
 class SquarePiecePairs:
-    """Base class for pairs of square pieces from random height maps with equal spacings along x and y."""
+    """Base class for pairs of square pieces, cut from random height maps with the same spacing along x and y."""
 
     _num_side_points: int
     _grid_spacing: float
@@ -456,7 +456,7 @@ class SquarePiecePairs:
 
 @dataclass(frozen=True, eq=False)
 class IsotropicSurfacePairs(SquarePiecePairs):
-    """Pairs of pieces from isotropic random height maps that have the spectra of two profiles."""
+    """Pairs of pieces of random isotropic height maps; each map has the spectrum of one of two profiles."""
 
     upper: Profile
     lower: Profile
@@ -478,7 +478,7 @@ class IsotropicSurfacePairs(SquarePiecePairs):
 
     @property
     def piece_fractions(self) -> tuple[float, float]:
-        """Side length of a piece divided by the length of the upper profile, and by the length of the lower profile."""
+        """Two ratios: side length of a piece to the upper profile's length, and to the lower profile's length."""
         upper, lower = (self._num_side_points / len(profile) for profile in self._resampled_profiles)
         return upper, lower
 
@@ -508,7 +508,7 @@ def to_joined_spectrum(scan: Profile | Surface | JoinedSpectrum) -> JoinedSpectr
 
 @dataclass(frozen=True, eq=False)
 class SurfacePairsFromSpectra(SquarePiecePairs):
-    """Pairs of pieces from periodic, isotropic random height maps with two given spectra.
+    """Pairs of pieces of random, periodic, isotropic height maps, one map for each of two given spectra.
 
     The spacing is a quarter of the shortest wavelength, so a longer cutoff wavelength gives a larger surface.
     """
@@ -539,7 +539,7 @@ class SurfacePairsFromSpectra(SquarePiecePairs):
 
     @property
     def piece_fractions(self) -> tuple[float, float]:
-        """Ratio of a piece's area to the area of the generated height map, for the upper and for the lower map."""
+        """Ratio of a piece's area to the area of the generated map, given twice: for the upper and the lower map."""
         fraction = float(np.prod(self.shape)) / self._num_side_points**2
         return fraction, fraction
 
@@ -558,5 +558,5 @@ class SurfacePairsFromSpectra(SquarePiecePairs):
 
 
 def _find_origin_of_middle_map_piece(points: tuple[int, int], shape: tuple[int, int]) -> tuple[int, int]:
-    """Return the first row and column of a piece in the middle of a height map."""
+    """Return the row and the column at which a centred piece of a height map begins."""
     return (points[0] - shape[0]) // 2, (points[1] - shape[1]) // 2

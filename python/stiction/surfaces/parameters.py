@@ -186,7 +186,7 @@ ROUGHNESS_PARAMETERS = {
 
 @dataclass(frozen=True, repr=False)
 class RoughnessParameterSet(TextReprMixin):
-    """Set of computed roughness parameters.
+    """Values of all roughness parameters computed for one profile or height map.
 
     Each parameter is available as an attribute, such as `Sq`.
 

@@ -137,7 +137,7 @@ def _compute_orthogonal_polynomials(points: int, degree: int) -> list[Floats]:
 
 
 def _subtract_fit(heights: Floats, basis: list[Floats], missing: NDArray[np.bool_] | None) -> Floats:
-    """Subtract from heights the least-squares fit of given basis functions, which are orthogonal on the full grid.
+    """Subtract the least-squares fit of basis functions from heights; the functions are orthogonal on a full grid.
 
     If only round-off remains, the result is zero.
     """
@@ -182,7 +182,7 @@ def flipped(body: AnyBody) -> AnyBody:
 
 
 def count_flips(body: Profile | Surface) -> int:
-    """Return how often a profile or a height map was flipped, according to the history of the body."""
+    """Return the number of flips in the history of a profile or a height map."""
     return sum(step in _FLIP_HISTORY_ENTRIES for step in body.history)
 
 
@@ -247,7 +247,7 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
 
 
 def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
-    """Return the first index and the exclusive end index of a crop along one axis, and the cropped range as text."""
+    """Return three results for a crop along one axis: first index, index after the last point, range as text."""
     extent = points * spacing
     start = validate_number("start", start, unit="µm")
     stop = extent if stop is None else validate_number("stop", stop, unit="µm")
@@ -275,7 +275,7 @@ def on_common_grid(a: Surface, b: Surface, *, align: GridAlignment = ...) -> tup
 def on_common_grid(
     a: Any, b: Any, *, align: GridAlignment = "start"
 ) -> tuple[Profile, Profile] | tuple[Surface, Surface]:
-    """Resample two profiles or two height maps to a common grid, with the finer spacing and the shorter length.
+    """Resample two profiles or two maps to one grid that has the finer of both spacings and the shorter length.
 
     Parameters
     ----------
@@ -327,7 +327,7 @@ def on_common_grid(
 
 
 def _count_grid_points(length: float, spacing: float) -> int:
-    """Return the number of grid points from 0 to a length (µm).
+    """Return the number of points of a grid that extends from 0 to a given length (µm).
 
     A point within round-off of the length is included.
     """
@@ -526,7 +526,7 @@ def interpolate_rotated(surface: Surface, y: Any, x: Any, angle: float) -> tuple
 
 
 def inscribed_rectangle(height: float, width: float, angle: float) -> tuple[float, float]:
-    """Return the height and width of the largest axis-parallel rectangle inside a rotated rectangle."""
+    """Return height and width of the largest rectangle, with sides along x and y, inside a rotated rectangle."""
     sine, cosine = abs(math.sin(angle)), abs(math.cos(angle))
     longer_side, shorter_side = max(height, width), min(height, width)
     # For a narrow rectangle, two corners of the inscribed rectangle lie on the longer sides of the rotated rectangle.
@@ -541,7 +541,7 @@ def inscribed_rectangle(height: float, width: float, angle: float) -> tuple[floa
 
 
 def resampled(profile: Profile, spacing: float) -> Profile:
-    """Resample a profile to another spacing (µm) by a natural cubic spline.
+    """Resample a profile to another spacing (µm) by interpolation with a natural cubic spline.
 
     The profile is unchanged if the spacing is equal.
     """

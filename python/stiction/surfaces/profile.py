@@ -204,7 +204,7 @@ class Profile(Body):
         return self.heights.size * self.spacing
 
     def with_amplitude(self, amplitude: float, measure: AmplitudeMeasure = "height") -> Profile:
-        """Return a copy of the profile with zero mean, whose heights are scaled to an amplitude (µm).
+        """Return a copy of the profile with zero mean and a given amplitude (µm), obtained by scaling the heights.
 
         Parameters
         ----------
@@ -220,7 +220,7 @@ class Profile(Body):
 
 
 def select_from_mask(mask: NDArray[np.bool_] | None, index: Any) -> NDArray[np.bool_] | None:
-    """Return the elements of a mask of missing points at an index or slice, or None if there is no mask."""
+    """Select elements of a mask of missing points by an index or slice; return None if there is no mask."""
     return None if mask is None else mask[index]
 
 
@@ -237,7 +237,7 @@ def combine_missing_masks(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
 
 
 def reject_missing_points(body: Any, operation: str) -> None:
-    """Raise a `ValueError` if a body has missing points, which the named operation does not accept."""
+    """Raise a `ValueError` if a body has missing points; the message names an operation that needs all heights."""
     if body.missing is not None:
         raise ValueError(
             f"{operation} requires complete scans, got {int(body.missing.sum())} missing points; crop the scan, "
@@ -248,7 +248,7 @@ def reject_missing_points(body: Any, operation: str) -> None:
 def scale_profile(
     heights: Floats, spacing: float, amplitude: float, measure: AmplitudeMeasure, scaled_heights: Floats
 ) -> Profile:
-    """Return a profile whose heights are scaled so that `measure`, such as "Rq", equals `amplitude` (µm).
+    """Scale the heights of a profile such that a roughness measure, such as "Rq", equals `amplitude` (µm).
 
     The array `scaled_heights` stores the scaled heights.
     """

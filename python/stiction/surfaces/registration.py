@@ -35,7 +35,7 @@ _CORRELATION_PEAK_HALF_WIDTH_FRACTION = 0.05
 
 @dataclass(frozen=True)
 class Registration:
-    """Result of registering two faces: upper face's shift and rotation, slope correlation, rms gap before and after.
+    """Result of registering two faces: shift and rotation of the upper face, slope correlation, rms gaps.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Registration:
 
 @dataclass(frozen=True)
 class _FacePosition:
-    """Position of the upper face relative to the lower face: shift (µm) between the middles, and rotation (radians)."""
+    """Position of the upper face relative to the lower face: shift of its middle (µm), and rotation (radians)."""
 
     shift: tuple[float, ...]
     rotation: float
@@ -98,7 +98,7 @@ def register_faces(upper: Any, lower: Any) -> tuple[Any, Any, Registration]:
 
 
 def measure_fit(upper: Any, lower: Any) -> float:
-    """Return the largest correlation between the slopes of two facing bodies over all relative shifts.
+    """Return the correlation between the slopes of two facing bodies, maximised over their relative shift.
 
     The correlation is 0 for periodic textures, which fit at several shifts, and for faces with few points.
     """
@@ -155,7 +155,7 @@ def correlate_facing_slopes(upper: Any, lower: Any) -> float:
 
 
 def find_best_fit(upper: Any, lower: Any) -> tuple[float, tuple[int, ...]]:
-    """Return the largest slope correlation of two faces, and the upper face's offset (in points) at this maximum."""
+    """Return the largest slope correlation of two faces, and the upper face's offset (points) that gives it."""
     correlations = _correlate_slopes(upper, lower)
     best_index = np.unravel_index(int(np.nanargmax(correlations)), correlations.shape)
     offset = tuple(
@@ -165,7 +165,7 @@ def find_best_fit(upper: Any, lower: Any) -> tuple[float, tuple[int, ...]]:
 
 
 def _to_signed_offset(index: int, count: int) -> int:
-    """Convert an index into a cyclic correlation array to an offset in points, which may be negative.
+    """Convert an index of a cyclic correlation array to an offset in points; large indices are negative offsets.
 
     Indices above `count` / 2 correspond to negative offsets.
     """
@@ -173,13 +173,13 @@ def _to_signed_offset(index: int, count: int) -> int:
 
 
 def _choose_block_size(upper: Any, lower: Any) -> int:
-    """Return the number of points per side of the blocks that are averaged to coarsen two faces."""
+    """Return the side length, in points, of the blocks whose mean heights form the coarse grid of two faces."""
     longest_side: int = max(*upper.heights.shape, *lower.heights.shape)
     return math.ceil(longest_side / _MAX_COARSE_POINTS[lower.heights.ndim])
 
 
 def _coarsen_face(body: Any, factor: int) -> Any:
-    """Return a body on a coarser grid, with the mean heights of blocks of `factor` points per side."""
+    """Coarsen a body's grid: each new height is the mean of a block with `factor` points per side."""
     if factor == 1:
         return body
     counts = [count // factor for count in body.heights.shape]
@@ -194,7 +194,7 @@ def _coarsen_face(body: Any, factor: int) -> Any:
 
 
 def _correlate_slopes(upper: Any, lower: Any) -> Floats:
-    """Return the correlation between the slopes of two bodies at every relative offset, as a cyclic array.
+    """Return a cyclic array of the correlation between two bodies' slopes, with one element per relative offset.
 
     Negative offsets follow the positive offsets, as in a discrete Fourier transform. Offsets at which the faces overlap
     too little are NaN.
@@ -241,7 +241,7 @@ def _correlate_slopes(upper: Any, lower: Any) -> Floats:
 
 
 def _find_coarse_position(upper: Any, lower: Any) -> _FacePosition:
-    """Find the best fit of two coarse bodies among shifts by whole points and rotations in steps of `ROTATION_STEP`."""
+    """Find the position at which two coarse bodies fit best, among whole-point shifts and a range of rotations."""
     if isinstance(upper, Profile):
         return _FacePosition(_convert_corner_offset_to_centre_shift(find_best_fit(upper, lower)[1], upper, lower), 0.0)
     correlated_positions = []
@@ -256,7 +256,7 @@ def _find_coarse_position(upper: Any, lower: Any) -> _FacePosition:
 
 
 def _convert_corner_offset_to_centre_shift(offset: tuple[int, ...], upper: Any, lower: Any) -> tuple[float, ...]:
-    """Convert an offset (in points) between the first points of two faces to a shift (µm) between their middles."""
+    """Convert the offset (points) of two faces' first points to the shift (µm) of their middles."""
     return tuple(
         (step + (upper_points - lower_points) / 2) * spacing
         for step, upper_points, lower_points, spacing in zip(
@@ -266,7 +266,7 @@ def _convert_corner_offset_to_centre_shift(offset: tuple[int, ...], upper: Any, 
 
 
 def _convert_centre_shift_to_corner_offset(shift: tuple[float, ...], upper: Any, lower: Any) -> list[float]:
-    """Convert a shift (µm) between the middles of two faces to an offset between their first points, in points."""
+    """Convert the shift (µm) of two faces' middles to the offset (points) of their first points."""
     return [
         distance / spacing - (upper_points - lower_points) / 2
         for distance, upper_points, lower_points, spacing in zip(
@@ -276,7 +276,7 @@ def _convert_centre_shift_to_corner_offset(shift: tuple[float, ...], upper: Any,
 
 
 def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) -> _FacePosition:
-    """Convert the relative position of two faces from coarsened grids to the full grids, whose middles can differ."""
+    """Convert the relative position of two faces on coarse grids to a position on their full grids."""
     shift = tuple(
         distance + (upper_points % factor - lower_points % factor) / 2 * spacing
         for distance, upper_points, lower_points, spacing in zip(
@@ -287,7 +287,7 @@ def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) 
 
 
 def _find_grid_offset(upper: Any, lower: Any, position: _FacePosition) -> tuple[int, ...] | None:
-    """Return the upper face's offset in whole points at a position, or None if the grids of both faces do not match.
+    """Return the upper face's offset in points if a position puts its points on the lower face's grid, else None.
 
     Deviations of up to `GRID_TOLERANCE` points from the grid are ignored.
     """
@@ -322,7 +322,7 @@ def _interpolate_rotated_face(upper: Any, distances: list[Floats], rotation: flo
 
 
 def _interpolate_overlap(upper: Any, lower: Any, position: _FacePosition) -> tuple[Any, Any]:
-    """Return the overlapping parts of two faces, with the upper face interpolated at the points of the lower face.
+    """Return both faces where they overlap; the upper face is interpolated at the points of the lower face.
 
     The overlap of maps is the largest rectangle within the rotated upper face, cut by the sides of the lower face.
     """
@@ -377,7 +377,7 @@ def _refine_position(upper: Any, lower: Any, position: _FacePosition) -> _FacePo
 
 
 def _compute_gauss_newton_step(upper: Any, lower: Any, position: _FacePosition) -> tuple[float, Floats]:
-    """Return the rms gap (µm) at a position, and the Gauss-Newton step in shift and rotation."""
+    """Return the rms gap (µm) at a position, and the change of shift and rotation that a Gauss-Newton step gives."""
     upper_overlap, lower_overlap = _interpolate_overlap(upper, lower, position)
     missing = combine_missing_masks(upper_overlap, lower_overlap)
     measured = np.ones(lower_overlap.heights.shape, bool) if missing is None else ~missing
@@ -416,7 +416,7 @@ def _has_min_overlap(upper: Any, lower: Any, position: _FacePosition) -> bool:
 
 
 def _estimate_noise(gap: Any) -> float:
-    """Estimate the rms (µm) of white noise in a gap from fourth differences; return 0 for too few points.
+    """Estimate the rms (µm) of white noise in a gap from fourth differences of heights; 0 for too few points.
 
     The variance of the fourth differences of white noise is 70 times the variance of the noise.
     """

@@ -38,7 +38,7 @@ _INTEGER_SHIFT_TOLERANCE_POINTS = 1e-4
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RepeatedScans(PlotReprMixin):
-    """Noise of two scans of the same area, and roughness that both scans share, in each octave of wavelength.
+    """Comparison of two scans of the same area: their noise and their common roughness in each wavelength octave.
 
     Attributes
     ----------
@@ -170,7 +170,7 @@ def compare_repeated_scans(
     )
 
     def average(heights: Sequence[Floats]) -> Profile | Surface:
-        """Return the mean of both scans in their overlap, as a levelled body."""
+        """Average the heights of both scans in the area that they share, and return a levelled body."""
         mean_heights = (heights[0] + heights[1]) / 2
         scan: Profile | Surface = body_class(
             mean_heights, spacing=first.spacing, history=(*first.history, history_entry)
@@ -262,7 +262,7 @@ def _are_identical(
 def _find_noise_cutoff(
     q: Floats, spectrum_of_mean_scan: Floats, noise: Floats, shortest: float, longest: float
 ) -> float:
-    """Return the shortest low-pass cutoff (µm) that leaves little noise in the mean square slope, or NaN if none does.
+    """Return the shortest low-pass cutoff (µm) after which noise contributes little to the mean square slope, or NaN.
 
     The remaining noise contributes at most the fraction `MAX_NEGLIGIBLE_NOISE_FRACTION` of the mean square slope.
     """
@@ -346,7 +346,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
     )
 
     def sum_products(power_of_a: int, power_of_b: int) -> Floats:
-        """Return the sum of a^`power_of_a` · b^`power_of_b` over overlapping heights a and b, at each shift of b."""
+        """For each shift of b, sum a^`power_of_a` · b^`power_of_b` over the points where heights a and b overlap."""
         return np.asarray(irfftn(transforms_of_a[power_of_a] * np.conj(transforms_of_b[power_of_b]), shape))
 
     count = np.maximum(np.rint(sum_products(0, 0)), 1)
@@ -365,7 +365,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
 def _slice_overlap(
     first_shape: tuple[int, ...], second_shape: tuple[int, ...], shift: Floats
 ) -> tuple[tuple[slice, ...], list[Floats]]:
-    """Return where two shifted scans overlap: slices into the first scan, fractional indices into the second scan."""
+    """Return the overlap of two shifted scans: slices of the first scan, and fractional indices in the second."""
     selected_slices, positions = [], []
     for points, second_points, shift_along_axis in zip(first_shape, second_shape, shift.tolist(), strict=True):
         start = max(0, math.ceil(shift_along_axis) + (_OVERLAP_MARGIN_POINTS if shift_along_axis > 0 else 0))

@@ -119,7 +119,7 @@ def roughness_parameters(
 
 
 def height_and_slope_parameters(z: Floats, spacing: float, derivative: DerivativeFormula) -> dict[str, float]:
-    """Compute height and slope parameters of a profile, keyed by the letters after P, R or W, such as "q" for Pq."""
+    """Compute height and slope parameters of a profile, keyed by name without P, R or W: "q" for Pq, Rq or Wq."""
     scale = float(np.abs(z).max()) or 1.0
     # The heights are scaled, because their fourth power could overflow or underflow.
     scaled_heights = z / scale
@@ -345,7 +345,7 @@ def _compute_developed_area_ratio(heights: Floats, spacing: tuple[float, float])
 
 
 def _find_decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[float, float]:
-    """Return the shortest and the longest distance, over all directions, at which the autocorrelation falls to 0.2.
+    """Return the shortest and longest distance from 0 at which the autocorrelation has fallen to 0.2.
 
     The shortest distance is NaN if the autocorrelation falls to 0.2 in no direction, and the longest is NaN unless it
     falls to 0.2 in all directions.
@@ -384,7 +384,7 @@ def _find_decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tupl
 
 
 def autocorrelation(deviation: Floats) -> Floats:
-    """Compute the autocorrelation of heights at shifts of up to half the number of points along each axis.
+    """Compute the autocorrelation of heights for shifts by at most half the points along each axis.
 
     Element (j, l) belongs to a shift of j rows and l - columns//2 columns.
     """

@@ -183,7 +183,7 @@ def fitted_and_limiting_power_laws(estimate: HurstEstimate) -> tuple[HurstEstima
 
 
 def extrapolated_mean_square_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
-    """Return the mean square slope due to wavelengths below a fitted band, down to a given wavelength (µm).
+    """Return the mean square slope due to wavelengths from a given one (µm) up to the shortest of a fitted band.
 
     The power law of the band is extrapolated to these wavelengths.
     """
@@ -261,7 +261,7 @@ def scale_dependent_roughness(
 
 
 def mean_square_height_spectrum(body: Profile | Surface, *, periodic: bool = False) -> tuple[Floats, Floats]:
-    """Compute the contribution (µm²) of each wave number (1/µm) to the mean square height of a body.
+    """Compute how much each wave number (1/µm) contributes to the mean square height (µm²) of a body.
 
     Bodies that are not periodic are levelled first.
     """

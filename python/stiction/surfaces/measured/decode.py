@@ -119,14 +119,14 @@ class DecodedText:
 
     @cached_property
     def missing_word_pattern(self) -> re.Pattern[bytes]:
-        """Regular expression for words that mark missing points: the user's `words`, and common words such as NaN."""
+        """Regular expression for words that mark missing points: words that the user gives, and words such as NaN."""
         words = sorted({*MISSING_POINT_WORDS, *(word.casefold() for word in self.words)}, key=len, reverse=True)
         word_alternatives = "|".join(re.escape(word).replace("\\ ", "[ _]?") for word in words)
         return re.compile(rf'(?i)(?<![^\s;,|"])(?:{word_alternatives})(?![^\s;,|"])'.encode())
 
     @cached_property
     def character_type_bits(self) -> NDArray[np.uint8]:
-        """Bit mask for each line, with one bit per type of character that occurs in the line."""
+        """Bits that state, for each line, which types of characters (such as digits) occur in the line."""
         starts, bits_of_pieces, first_line = self.line_starts, [], 0
         # The text is classified in pieces that fit into the processor's cache, which reduces the time by a third.
         while first_line < len(self):

@@ -757,7 +757,7 @@ def _split_name(name: str) -> list[str]:
 
 
 def _find_unknown_unit(name: str) -> str | None:
-    """Return the text that follows the axis name in a column name if this text may be a unit, and None otherwise.
+    """Return the text after the axis name in a column name if it may be a unit, and None otherwise.
 
     A remark or a number is not a unit.
     """

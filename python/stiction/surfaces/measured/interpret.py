@@ -1,4 +1,4 @@
-"""Third step of reading a scan file: convert heights and spacing to µm, and find missing points."""
+"""Conversion of heights and spacing from a scan file to µm, and detection of missing points (third reading step)."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ _Body = TypeVar("_Body", bound=Profile | Surface, covariant=True)
 
 @dataclass(frozen=True)
 class InterpretedScan(Generic[_Body]):
-    """Profile or height map read from a file, with height unit, number of missing points, and file caveats."""
+    """Profile or height map from a file, with height unit, number of missing points, and caveats about the file."""
 
     body: _Body
     unit: str
@@ -157,7 +157,7 @@ class InterpretedScan(Generic[_Body]):
 
 
 def to_profile_or_surface(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedScan[Profile | Surface]:
-    """Convert the content of a scan file to a profile or a height map, depending on the shape of the heights."""
+    """Convert the content of a scan file to a profile or, if the heights form a matrix, to a height map."""
     if _flatten_single_line(raw).heights.ndim == 1:
         return to_profile(raw, name, options)
     return to_surface(raw, name, options)
@@ -360,7 +360,7 @@ def _convert_heights(raw: RawHeights, options: ReadOptions) -> tuple[Floats, str
 
 
 def _choose_height_unit(raw: RawHeights, given: str | None) -> tuple[str, list[FileCaveat], list[str]]:
-    """Choose the unit of the heights, and return it with file caveats and entries for the scan's history.
+    """Return three things: the unit of the heights, caveats about the file, and entries for the scan's history.
 
     If the file declares a factor with a unit, this unit has priority.
     """
@@ -379,7 +379,7 @@ _NO_MAP_SPACING_MESSAGE = (
 
 
 def _require_unit_or_spacing(raw: RawHeights, options: ReadOptions) -> None:
-    """Raise one `FormatError` if both unit and spacing are missing, in the scan file and in the user's options."""
+    """Raise one `FormatError` if neither the scan file nor the user states a unit, and neither states a spacing."""
     lacks_unit = raw.unit is None and options.height_unit is None
     lacks_spacing = options.spacing == (None, None) and all(
         value is None
@@ -411,7 +411,7 @@ def _describe_unclear_spacing(raw: RawHeights) -> str:
 
 
 def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> None:
-    """Raise `FormatError` if a spacing without a unit in the header differs from the user's spacing in every unit.
+    """Raise `FormatError` if the header has a spacing without a unit, and no unit makes it equal to the user's spacing.
 
     Two spacings in a header line of uncertain meaning must equal the user's spacings in either order.
     """
@@ -436,7 +436,7 @@ def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> 
 
 
 def _reject_contradicting_grid(raw: RawHeights, spacing: tuple[float, float]) -> None:
-    """Raise `FormatError` if the spacings of grid points (µm) contradict the spacings or the size in the header."""
+    """Raise `FormatError` if the spacings (µm) of listed points contradict the spacings or the size in the header."""
     for step, declared in zip(spacing, raw.declared_spacings or (), strict=False):
         declared_length = declared.to_micrometres()
         if abs(declared_length - step) > max(
@@ -455,7 +455,7 @@ def _reject_contradicting_grid(raw: RawHeights, spacing: tuple[float, float]) ->
 def _compute_spacings_from_size(
     size: tuple[DeclaredLength, DeclaredLength], shape: tuple[int, ...], given: tuple[Quantity | None, Quantity | None]
 ) -> tuple[tuple[float, float], list[str]]:
-    """Compute the spacings of a map from its size in the header; return them with an entry for the map's history.
+    """Compute the spacings of a map from the declared size; return the spacings, and an entry for the map's history.
 
     A spacing given by the user is preferred, and must agree with the declared size within its rounding or 0.1 %.
     """
@@ -546,7 +546,7 @@ def _determine_profile_spacing(
 
 
 def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[FileCaveat]:
-    """Return a caveat if the first or last height equals the user's spacing, and so may be the spacing itself."""
+    """Return a caveat if the first or last height equals the user's spacing, because it may be the spacing itself."""
     if given is None or raw.positions is not None or any(caveat.name == "first-number" for caveat in raw.caveats):
         return []
     end_numbers = {"first": float(raw.heights[0])}
@@ -570,7 +570,7 @@ def _find_declared_spacing(raw: RawHeights) -> tuple[float, float] | None:
 
 
 class _PositionResolution:
-    """Resolution of printed positions: the place value (µm) of the last digit of each position."""
+    """Resolution of the positions printed in a file: the place value (µm) of each position's last digit."""
 
     def __init__(self, raw: RawHeights, unit: str) -> None:
         self._raw, self._unit = raw, unit
@@ -587,7 +587,7 @@ class _PositionResolution:
 def _find_worst_unexplained_deviation(
     x: Floats, spacing: float, resolution: _PositionResolution, slack: float
 ) -> tuple[int, float] | None:
-    """Return index and deviation of the position that deviates most from a uniform grid.
+    """Return the index of the position farthest from a uniform grid, and its distance from the grid.
 
     Returns None if rounding explains all deviations. The place values of the printed digits are computed only if the
     exact positions deviate from a uniform grid.
@@ -600,7 +600,7 @@ def _find_worst_unexplained_deviation(
 def _find_worst_position_deviation(
     x: Floats, spacing: float, last_digit_values: Floats, slack: float
 ) -> tuple[int, float] | None:
-    """Return index and deviation of the position that deviates most, beyond rounding, from a uniform grid.
+    """Return the index of the position farthest from a uniform grid, and its distance, unless rounding explains it.
 
     Returns None if rounding explains all deviations.
     """

@@ -164,7 +164,7 @@ def _find_statistics(values: Floats) -> str | None:
 
 
 def _find_statistic_name(lines: Floats, count: int) -> str | None:
-    """Return the name of the statistic that the last line of a table contains, or None.
+    """Return the name of a statistic, such as the mean, that a table's last line contains, or None if there is none.
 
     The statistic is computed from all lines except the last `count` lines.
     """

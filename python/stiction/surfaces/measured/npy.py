@@ -22,7 +22,7 @@ _MAX_STORED_HISTORY_LENGTH = 1_000_000
 
 
 def write_npy(file: Any, heights: Floats, spacing: tuple[float, ...], history: tuple[str, ...]) -> None:
-    """Write heights, spacings (µm) and history to a file as three successive arrays.
+    """Write three arrays to one file, one after the other: heights, spacings (µm) and history.
 
     `numpy.load` returns the heights.
     """

@@ -1,4 +1,4 @@
-"""Plausibility checks of scans, which report implausible heights and spacings as named caveats."""
+"""Checks of scans for implausible heights and spacings; each check yields a caveat with its own name."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class ScannedHeights:
 
 
 class PlausibilityCheck(NamedTuple):
-    """Plausibility check of a scan: name, function that yields findings, and remedy for the findings."""
+    """Plausibility check of a scan: its name, its function (which yields descriptions of problems), and a remedy."""
 
     name: str
     find: Callable[[ScannedHeights], Iterator[str]]
@@ -86,7 +86,7 @@ class PlausibilityCheck(NamedTuple):
 
 
 def find_caveats(scan: ScannedHeights) -> tuple[FileCaveat, ...]:
-    """Apply all plausibility checks to a scan, and return the caveats that they report."""
+    """Apply all plausibility checks to a scan, and return a caveat for each problem that a check finds."""
     if scan.heights.size < MIN_CHECKED_POINTS:
         return ()
     findings = [(check, text) for check in PLAUSIBILITY_CHECKS[:1] for text in check.find(scan)]
@@ -117,7 +117,7 @@ def _to_number_in_file(height: float, scan: ScannedHeights) -> float:
 
 
 def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, float]]:
-    """Return extreme heights that may be codes for missing points, with their counts and distances from other heights.
+    """Return extreme heights that may be codes for missing points, each with its count and distance from other heights.
 
     Several codes may be at the same end of the height range, and their distances from each other are not limited. The
     distance of codes in a file from the other heights may be smaller if each code repeats or is a known code.
@@ -234,7 +234,7 @@ def _find_repeated_heights(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _describe_frequent_zeros(distinct_heights: Floats, counts: NDArray[np.int64]) -> str | None:
-    """Return a finding if heights of exactly 0 are more frequent than similar heights suggest, and None otherwise.
+    """Return a description if heights of exactly 0 are much more frequent than similar heights, and None otherwise.
 
     Rounding towards zero makes the height 0 twice as frequent as other heights.
     """
@@ -354,7 +354,7 @@ def _find_excessive_height_range(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _find_contradicted_height_range(scan: ScannedHeights) -> Iterator[str]:
-    """Report heights whose range far exceeds the range in the header, or is smaller by a power of 1000.
+    """Report a scan whose height range far exceeds the declared range, or equals it divided by a power of 1000.
 
     A declared range that is larger by any other factor may be the measuring range of the instrument.
     """

@@ -53,7 +53,7 @@ _COMPRESSION_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
 class FormatError(ValueError):
-    """Error raised for a file that is damaged, incomplete or unsupported, or that would be overwritten.
+    """Error raised if a file is damaged, incomplete or unsupported, or if output would overwrite it.
 
     Notes
     -----
@@ -89,7 +89,7 @@ class FormatWarning(UserWarning):
 
 @dataclass(frozen=True)
 class FileCaveat:
-    """Caveat about a scan file: name and text of the caveat, and a remedy (an option, or a change to the file)."""
+    """Caveat about a scan file: its name, its text and a remedy, such as an option or a change to the file."""
 
     name: str
     text: str
@@ -101,7 +101,7 @@ class FileCaveat:
 
 @dataclass(frozen=True)
 class DeclaredLength:
-    """Length that a scan file declares, with the place value of its last digit."""
+    """Length that a scan file declares, and the place value of the last digit with which it is written."""
 
     length: float
     digit: float
@@ -334,7 +334,7 @@ def parse_positive_number(text: str, place: str) -> float:
 
 
 def read_member_chunks(archive: zipfile.ZipFile, name: str, max_bytes: int) -> Iterator[bytes]:
-    """Yield the content of a file in a zip archive piece by piece, up to `max_bytes` in total.
+    """Yield the content of a file in a zip archive in pieces; together, the pieces have at most `max_bytes`.
 
     The size that the archive declares is not trusted.
     """

@@ -1,4 +1,4 @@
-"""Reading of measured profiles and height maps: choice of a file reader, and interpretation of the content."""
+"""Reading of measured profiles and height maps: selection of a reader for each file, and use of the content."""
 
 from __future__ import annotations
 
@@ -309,7 +309,7 @@ def read_measurement(
     missing_value: MissingValueCodes | None = None,
     accept: str | Sequence[str] | None = None,
 ) -> Profile | Surface:
-    """Read a measured profile or surface, whichever the file contains.
+    """Read a measured profile or surface; the content of the file decides between the two.
 
     Parameters
     ----------
@@ -453,7 +453,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> ReaderResult:
 
 
 def _reject_described_slopes(path: Path) -> None:
-    """Raise `FormatError` for a .dat file of the X-ray mirror database DABAM whose description file declares slopes."""
+    """Raise `FormatError` for a .dat file of DABAM (X-ray mirrors) if the file's description says it has slopes."""
     description = path.with_suffix(".txt")
     if path.suffix.lower() != ".dat" or not description.is_file() or description.stat().st_size > MAX_DESCRIPTION_BYTES:
         return
@@ -466,7 +466,7 @@ def _reject_described_slopes(path: Path) -> None:
 
 
 def _read_binary_file(path: Path) -> ReaderResult:
-    """Read a binary file whose name suggests text, using the package SurfaceTopography."""
+    """Read with SurfaceTopography a binary file whose name suggests that it contains text."""
     if is_reader_installed():
         try:
             return read_instrument_file(path)

@@ -1,4 +1,4 @@
-"""Second step of reading a table: find the height columns that the user chose, or else infer them from the table."""
+"""Selection of height columns in a table, by the user's choice or by the table's shape (second reading step)."""
 
 from __future__ import annotations
 
@@ -167,7 +167,7 @@ def _list_column_numbers(table: ColumnTable) -> Sequence[int]:
 
 
 def _select_heights(table: ColumnTable, selected: Sequence[NameOrIndex]) -> RawHeights:
-    """Return the heights in the columns that the caller selects: z alone, positions and z, or x, y and z."""
+    """Return the heights from selected columns; a selection is (z), (positions, z) or (x, y, z)."""
     numbers = _list_column_numbers(table)
     indices = [_find_column_or_channel_index(table.names, item, numbers, "column") for item in selected]
     description = ", ".join(
@@ -184,7 +184,7 @@ def _select_heights(table: ColumnTable, selected: Sequence[NameOrIndex]) -> RawH
 
 
 def _to_raw_heights(table: ColumnTable, heights: Floats, unit: str | None, **attributes: Any) -> RawHeights:
-    """Combine heights with the units, factors and missing-point codes that the header of the table declares."""
+    """Create `RawHeights` from heights, with the units, factors and missing-point codes that the table declares."""
     declared = table.declared
     # A declared integer that exceeds the number of heights is not a count of missing points.
     counts = tuple(count for count in declared.counts if count > heights.size)
@@ -365,7 +365,7 @@ def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[st
 
 
 def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the first number of a column or one of its last three numbers seems not to be a height.
+    """Return a caveat if the first number of a column, or one of its last three, is probably not a height.
 
     The first number may be the spacing or the size of the scan, and one of the last three may be the count of points.
     """
@@ -453,7 +453,7 @@ def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) ->
 
 
 def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex] | None) -> ColumnTable:
-    """Remove columns of words from a table, and set heights to NaN in rows in which a word marks a missing point.
+    """Remove columns of words from a table, and set heights to NaN in each row where a word marks a missing point.
 
     If all words of a column are one unit of length, this is the unit of the column before it. Raises `FormatError` for
     a column that has neither a unit nor one of the caller's words for missing points, unless the caller chose the
@@ -493,7 +493,7 @@ def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex]
 
 
 def _fill_missing_rows_with_nan(values: Floats, missing: NDArray[np.bool_], places: Sequence[int]) -> Floats:
-    """Return the numbers of a table with NaN in rows of missing points.
+    """Return the numbers of a table, but set rows of missing points to NaN.
 
     Columns of positions are not changed.
     """
@@ -566,7 +566,7 @@ class TableLayout:
 
 
 def _read_by_layout(table: ColumnTable) -> RawHeights:
-    """Read the heights of a table with the first `TableLayout` that recognises the table."""
+    """Read the heights of a table by means of the first `TableLayout` that recognises the table."""
     table, numbering_history = _remove_numbering(table)
     is_empty_column = np.isnan(table.values).all(axis=0)
     if table.places is not None and is_empty_column.any() and not is_empty_column.all():
@@ -727,7 +727,7 @@ def _has_equal_steps_as_printed(values: Floats, digits: Callable[[], Floats] | N
 
 
 def _is_labelled_matrix(table: ColumnTable) -> bool:
-    """Return whether a table has positions in its first row and first column, and an empty upper left cell."""
+    """Return whether a table's first row and first column contain positions and its upper left cell is empty."""
     values = table.values
     if min(values.shape) < 5 or not np.isnan(values[0, 0]) or table.is_array:
         return False
@@ -801,7 +801,7 @@ def _read_xyz_table(table: ColumnTable, *places: int) -> RawHeights:
 
 
 def _is_line_of_points(table: ColumnTable) -> bool:
-    """Return whether table rows are points (x, y, z) of a profile along x: y is constant, and no x occurs twice."""
+    """Return whether rows are points (x, y, z) on a line along x: all y are equal, and all x are different."""
     places = _find_xyz_columns(table)
     if places is None or table.is_array or (table.values.shape[1] != 3):
         return False
@@ -822,7 +822,7 @@ def _reject_ambiguous_columns(table: ColumnTable) -> RawHeights:
 
 
 def _describe_missing_information(table: ColumnTable) -> str:
-    """Return the end of an error message, which asks for the length unit, the spacing, or both if both are missing.
+    """Return the end of an error message: a request for the length unit, the spacing, or both, if they are missing.
 
     The text is empty if the table has both.
     """

@@ -49,7 +49,7 @@ def _find_data_rows(rows: Sequence[Sequence[Any]], columns: Sequence[int]) -> ra
 
 
 def _find_table_columns(rows: Sequence[Sequence[Any]]) -> list[int]:
-    """Return the indices of a table's columns: columns of numbers, and adjoining columns that are not empty.
+    """Return the indices of a table's columns: all columns of numbers, and non-empty columns next to these.
 
     An adjoining column contains words, or numbers in a few rows only. An empty column separates two tables.
     """

@@ -256,7 +256,7 @@ def _parse_optional_unit(unit: str | None) -> str | None:
 def find_first_match(
     pattern: LazyPattern, lines: Sequence[str], parse_match: Callable[[re.Match[str]], _T | None]
 ) -> _T | None:
-    """Parse the header lines whose start matches a pattern, and return the first result that is not None.
+    """Parse header lines whose start matches a pattern, and return the first successful result.
 
     Returns None if no line can be parsed.
     """
@@ -276,7 +276,7 @@ def _complete_pair_or_none(pair: Sequence[_T | None]) -> tuple[_T, _T] | None:
 
 
 def parse_bracketed_length(match: re.Match[str]) -> DeclaredLength | None:
-    """Parse a length from a header line with the unit in either place: "dx: 5 um" or "dx (um): 5"."""
+    """Parse a length in a header line; the unit follows the number or the name: "dx: 5 um" or "dx (um): 5"."""
     return parse_length(match[2], match[3] or match[1], line=match.string)
 
 

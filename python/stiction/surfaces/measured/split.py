@@ -250,7 +250,7 @@ _DATE_PATTERN = re.compile(
 
 
 def describe_remedy_of_word(word: str) -> str:
-    """Return advice for an error message about a cell that contains a date, brackets or a word."""
+    """Return advice on how to correct a cell that contains a date, brackets or a word, for an error message."""
     if _DATE_PATTERN.fullmatch(word):
         return "a spreadsheet program has converted numbers to dates; export the file again with a decimal point"
     if re.search(r"[\[\]{}]", word):
@@ -266,7 +266,7 @@ def _truncate_line(line: str, width: int) -> str:
 
 
 def _interpret_commas(text: DecodedText, first: int, sample: list[str], dialect: Dialect) -> Dialect:
-    """Decide whether commas separate cells, mark decimals, or both, and return the resulting dialect."""
+    """Decide whether commas separate cells or mark decimals or do both, and return the resulting dialect."""
     rows = [dialect.split_line(line) for line in sample]
     width = len(rows[0])
     possible_decimals = [cell for row in rows for cell in row[1::2]]
@@ -385,7 +385,7 @@ def parse_number_block(
 
 
 def _rows_begin_with_positions(blob: bytes, cell_separator: bytes, count: int) -> bool:
-    """Return whether the first cells of the first `count` + 3 rows are equally spaced numbers, as positions are."""
+    """Return whether the first `count` + 3 rows begin with equally spaced numbers, which may be positions."""
     first_cells = [row.split(cell_separator)[0] for row in blob.split(b"\n", count + 3)[:-1]]
     if not count or not all(map(_is_number, first_cells)):
         return False
@@ -415,7 +415,7 @@ def _find_row_lines(text: DecodedText, first: int, last: int, dialect: Dialect) 
 
 
 def _to_plain_rows(text: DecodedText, lines: LineNumbers, dialect: Dialect) -> tuple[bytes, bytes]:
-    """Convert table rows to a plain form, with decimal points, and without quotes and surrounding spaces.
+    """Rewrite table rows with decimal points instead of commas, and remove quotes and spaces around cells.
 
     Returns the rows and the cell separator. Each row ends with a line feed. A text that already has this form is
     returned without a copy.

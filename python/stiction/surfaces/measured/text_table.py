@@ -90,7 +90,7 @@ def parse_table(text: DecodedText) -> ColumnTable | HeightChannels:
 
 
 def _reject_rows_above_table(text: DecodedText, block: NumberBlock) -> None:
-    """Raise `FormatError` if so many lines of numbers precede a table that they may be rows of another table.
+    """Raise `FormatError` if many lines of numbers precede a table, because these may be rows of another table.
 
     Lines of at most `MAX_CELLS_IN_COUNT_LINE` cells are not counted, because they may contain counts or sizes.
     """
@@ -107,7 +107,7 @@ def _reject_rows_above_table(text: DecodedText, block: NumberBlock) -> None:
 
 
 def _reject_separated_positions(text: DecodedText, runs: list[tuple[int, int]], block: NumberBlock) -> None:
-    """Raise `FormatError` if lines of text separate one row of a profile from the rows that follow it.
+    """Raise `FormatError` if text stands between the first row of a profile and the remaining rows.
 
     The separate row has two cells, and its position precedes the first position of the other rows by whole steps.
     """
@@ -191,7 +191,7 @@ def _to_table(
 
 
 def _find_cut_number(block: NumberBlock) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the last number in a file may be truncated: it has fewer decimals than the numbers above."""
+    """Return a caveat if a file's last number seems truncated, because all numbers above it have more decimals."""
     start = int(block.lines.size) - MIN_ROWS_ABOVE_CUT_NUMBER - 1
     if start < 0 or (block.text.line_kinds[int(block.lines[-1]) + 1 :] == TEXT_LINE_CODE).any():
         return ()
@@ -222,7 +222,7 @@ def make_height_provenance(block: NumberBlock) -> HeightProvenance:
 
 
 def _include_label_line(text: DecodedText, first: int, last: int, dialect: Dialect) -> int:
-    """Return the index of a table's first line: `first`, or the line above it if that line has column positions."""
+    """Return a table's first line: the line above `first` if that line lists column positions, otherwise `first`."""
     line_above = next((line for line in range(first - 1, -1, -1) if text.line(line).strip("\t")), -1)
     if line_above < 0 or dialect.separator is None:
         return first
@@ -263,7 +263,7 @@ def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, run
 def _repeats_words(
     text: DecodedText, dialect: Dialect, kinds: list[str | None], cells: list[str], other_line: int
 ) -> bool:
-    """Return whether a line has the same kinds of cell (such as number or text) as given cells, and the same texts.
+    """Return whether a line has cells of given kinds (such as number or text), and text cells with given texts.
 
     Adjacent rows often repeat a word, but the lines of a header rarely do. The result is false if none of several cells
     is a number.
@@ -284,7 +284,7 @@ def _reject_word(text: DecodedText, line: int, word: str) -> None:
 
 
 def _are_position_labels(cells: list[str], dialect: Dialect) -> bool:
-    """Return whether all cells of a line except the first are equally spaced numbers, as column positions are."""
+    """Return whether all cells after the first are equally spaced numbers, which may be positions of columns."""
     matches = [dialect.number_pattern.fullmatch(cell) for cell in cells[1:]]
     if len(cells) < 5 or not all(match and (match[2] or match[3]) for match in matches):
         return False

@@ -94,7 +94,7 @@ def _may_mix_words_and_numbers(text: DecodedText, runs: Sequence[tuple[int, int]
 
 @dataclass
 class _TableWithTextColumns:
-    """Table with columns of numbers and of words: its rows, counts of words, lines where a word marks missing data."""
+    """Table with number columns and word columns: rows, word counts, and lines in which a word means missing data."""
 
     numeric_columns: set[int] = field(default_factory=set)
     lines: list[int] = field(default_factory=list)
@@ -104,7 +104,7 @@ class _TableWithTextColumns:
 
 
 def _find_word_table(text: DecodedText, lines: Sequence[int], separator: str | None) -> _TableWithTextColumns:
-    """Find the table with columns of words in a text, given a cell separator.
+    """Find the table in a text that has columns of words next to columns of numbers; cells have a given separator.
 
     The rows of the table have the same number of cells, and numbers in the same columns.
     """

@@ -103,7 +103,7 @@ def write_surface(surface: Surface, path: str | os.PathLike[str]) -> None:
 def _write_body(
     body: Profile | Surface, path: str | os.PathLike[str], header_lines: list[str], rows: Iterable[str]
 ) -> None:
-    """Write a profile or height map to a .csv file with header and history, or to a .npy file with several arrays."""
+    """Write a profile or height map to a .csv file, or as three arrays to a .npy file, including its history."""
     path = parse_path("path", path)
     if path.suffix.lower() not in (".csv", ".npy"):
         raise FormatError(f"{path}: cannot be written: its name must end in .csv or .npy")

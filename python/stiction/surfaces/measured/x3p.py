@@ -117,7 +117,7 @@ def _read_archive(archive: zipfile.ZipFile) -> RawHeights:
 
 
 class _MainXml:
-    """Contents of main.xml in an X3P file: texts of XML elements by path, and the points if main.xml lists any."""
+    """Contents of main.xml in an X3P file: texts keyed by XML path, and the points that main.xml may list."""
 
     def __init__(self, archive: zipfile.ZipFile, directory: str) -> None:
         self.directory = directory
@@ -225,7 +225,7 @@ def _read_shape(root: _MainXml) -> tuple[int, int]:
 def _read_columns(
     archive: zipfile.ZipFile, root: _MainXml, stored: dict[str, str], points: int
 ) -> dict[str, NDArray[Any]]:
-    """Read the coordinates that an X3P file stores for its points, as one array per axis, keyed by the axis name."""
+    """Read the coordinates of all points from an X3P file: one array per axis, keyed by axis name."""
     if root.listed_points is not None:
         return _parse_listed_points(root.listed_points, list(stored), points)
     row_type = np.dtype(list(stored.items()))

@@ -55,7 +55,7 @@ def _split_header_rows(text: DecodedText) -> list[list[str]]:
 
 
 def _find_calibration_row(rows: list[list[str]]) -> int | None:
-    """Return the index of the header line with the calibration: a name, a number and a unit of length."""
+    """Return the index of the header line that states the calibration: a name, a number and a unit of length."""
     for index, row in enumerate(rows):
         if len(row) == 3 and parse_length_unit(row[1]) is None and parse_length_unit(row[2]) is not None:
             return index
