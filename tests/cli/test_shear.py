@@ -41,10 +41,14 @@ def create_faces():
     return Surface(flipped(lower).heights, spacing=lower.spacing), lower
 
 
+def save_faces(directory):
+    for name, face in zip(("upper.npy", "lower.npy"), create_faces(), strict=True):
+        np.save(directory / name, face.heights)
+
+
 @pytest.fixture
 def directory(tmp_path):
-    for name, face in zip(("upper.npy", "lower.npy"), create_faces(), strict=True):
-        np.save(tmp_path / name, face.heights)
+    save_faces(tmp_path)
     return tmp_path
 
 
@@ -285,15 +289,23 @@ def test_shear_command_rejects_a_directory_with_another_test(directory):
 # ---- Export ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture
-def rough_directory(directory):
-    """Return a directory with the files and the shear test of two faces that differ by noise."""
+@pytest.fixture(scope="module")
+def computed_rough_directory(tmp_path_factory):
+    """Return a directory with the files and the shear test of two faces that differ by noise; tests must copy it."""
+    directory = tmp_path_factory.mktemp("rough")
+    save_faces(directory)
     noise = np.random.default_rng(3).normal(0, 0.5, MAP_SHAPE)
     np.save(directory / "upper.npy", np.load(directory / "upper.npy") + noise)
     run_shear(
         directory, "--path", "0.2 mm", "--steps", 2, "--mu0", "0.5..0.7", "--hardness", "300 MPa", without_figures=True
     )
     return directory
+
+
+@pytest.fixture
+def rough_directory(tmp_path, computed_rough_directory):
+    """Return a copy of the directory with the shear test of two faces that differ by noise."""
+    return shutil.copytree(computed_rough_directory, tmp_path, dirs_exist_ok=True)
 
 
 def export_shear(directory, *arguments):
