@@ -286,6 +286,34 @@ def test_range_of_a_hardness_that_is_exact_in_the_tests_applies_in_full_and_has_
         assert np.ptp(law.predict(target, "20 MPa")[1:]) > 1.3 * np.ptp(exact_interval[1:])
 
 
+@pytest.mark.parametrize(("tested_indent", "indent"), [(None, None), ("2 um", "2 um"), ("2 um", None), (None, "2 um")])
+def test_size_effect_has_a_caveat_only_if_it_differs_between_the_pair_and_tests_of_the_pair(
+    tested_indent, indent, tmp_path
+) -> None:
+    def press_pair(**options: Any) -> Any:
+        return pair(*rough_surface_pair(0.05), hardness="0.5 GPa ± 10 %", yield_exponent=1.15, **PAIR_OPTIONS | options)
+
+    test = FrictionTest(press_pair(indent=tested_indent), "20 MPa", coefficient=0.25, uncertainty=0.002)
+    law = calibrate([test], common=0.0, sliding="all")
+    write_interface(law, tmp_path / "film")
+    result = press_pair(mu0=None, tau0=None, interface=tmp_path / "film", indent=indent)
+    differences = [caveat for caveat in result.caveats if "τ0 of the interface belongs" in caveat.text]
+    predicted_caveats = predict_wanted_pair(law, press_pair(indent=indent)).caveats
+    assert predicted_caveats == tuple(f"! {caveat.text}; {caveat.remedy}" for caveat in differences)
+    if tested_indent == indent:
+        assert not differences
+        assert not any("as hard as large ones" in caveat.text for caveat in result.caveats)
+        assert result.value == pytest.approx(0.25, rel=0.02)
+    else:
+        assert len(differences) == 1
+        subject = "the pair includes" if indent else "the tests of the interface include"
+        assert differences[0].text.startswith(f"{subject} the hardness increase of small contacts (--indent), unlike")
+        assert result.assessment != "Quote it"
+    if indent is None:
+        result = press_pair(mu0=0.1, tau0="100 MPa")
+        assert any("as hard as large ones" in caveat.text for caveat in result.caveats)
+
+
 def test_exact_hardness_does_not_widen_the_narrower_range_of_the_modulus() -> None:
     def press_pair(rms: float, modulus: str, hardness: str) -> Any:
         options = {**PAIR_OPTIONS, "effective_modulus": modulus}

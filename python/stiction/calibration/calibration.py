@@ -18,7 +18,7 @@ import numpy as np
 from stiction._arguments import MAX_INPUT_NUMBER
 from stiction._checks import check_bool, check_choice, validate_number
 from stiction._units import short_repr, to_core_units
-from stiction.calibration.fit import MIN_AREA_VARIATION, CalibrationProblem
+from stiction.calibration.fit import CalibrationProblem
 from stiction.calibration.friction_tests import (
     Ball,
     FrictionTest,
@@ -35,6 +35,7 @@ from stiction.study.interfaces import (
     FAULTS_HEADER_ENTRY,
     HARDNESS_HEADER_ENTRY,
     JUNCTION_GROWTH_HEADER_ENTRY,
+    MIN_AREA_VARIATION,
     SLIDING_RULES,
     StrengthFit,
     round_median_strength,

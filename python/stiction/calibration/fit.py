@@ -35,14 +35,13 @@ from stiction.study.input_distributions import (
 )
 from stiction.study.interfaces import (
     ERROR_SCALING_P_VALUE_LIMIT,
+    MIN_AREA_VARIATION,
     StrengthFit,
     area_error_name,
     compute_coverage_at_bound,
 )
 from stiction.study.shared_inputs import INPUTS_COMPARED_ELSEWHERE
 
-# Minimum relative standard deviation of the area per load A/F among the tests, if both mu0 and tau0 are fitted.
-MIN_AREA_VARIATION = 0.1
 # A nuisance point is a joint random sample of all nuisance parameters: the uncertain ones other than mu0 and tau0.
 NUM_NUISANCE_POINTS_PER_ROUND = 256
 MAX_NUISANCE_POINTS = 8192

@@ -62,6 +62,9 @@ EXCLUSION_P_VALUE_LIMIT, ERROR_SCALING_P_VALUE_LIMIT = 0.01, 0.05
 Below the first limit, the tests exclude the sliding rule. Below the second limit, the errors of the tests are scaled.
 """
 
+MIN_AREA_VARIATION = 0.1
+"""Minimum relative standard deviation of the area per load A/F among the tests, if both mu0 and tau0 are fitted."""
+
 INTERVAL_COVERAGE = 0.95
 
 DENSITY_WINDOW_AT_BOUND, MAX_DENSITY_WINDOW = 0.05, 0.2

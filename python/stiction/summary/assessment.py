@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stiction._number_format import format_number, format_percent, format_significant, format_with_unit
 from stiction.calibration.friction_tests import NEGLIGIBLE_GROWTH_EFFECT
+from stiction.evaluate.budget import is_tested_pair
 from stiction.evaluate.intervals import MIN_NEIGHBOURING_POSITIONS, MIN_SAMPLE_SIZE
 from stiction.evaluate.member_means import AREA_ABOVE_NOMINAL_STATUS, FULL_CONTACT_STATUS
 from stiction.evaluate.member_values import has_grooves
@@ -37,7 +38,7 @@ from stiction.mechanics.hardness import estimate_indentation_depth, size_effect_
 from stiction.mechanics.materials import MAX_RUBBER_MODULUS, softest_material
 from stiction.study.input_distributions import UncertainInput, parse_input_value
 from stiction.study.inputs import Inputs, find_materials
-from stiction.study.interfaces import has_growth_of_tests
+from stiction.study.interfaces import MIN_AREA_VARIATION, has_growth_of_tests
 from stiction.study.moduli import DEFAULT_YIELD_EXPONENT, ELASTOMER_AREA_LOSS
 
 if TYPE_CHECKING:
@@ -628,13 +629,24 @@ def _find_size_effect_caveats(point: xarray.Dataset, study: Study, value: Slidin
     _, adhesive = law.contributions(0.0, area / read_number(point, "load"))
     # The coefficient is 0 if mu0 and tau0 are 0.
     effect = plastic_fraction * (1 - 1 / factor) * adhesive / value.value if adhesive > 0 else 0.0
-    if not effect > NEGLIGIBLE_GROWTH_EFFECT:
+    if not effect > NEGLIGIBLE_GROWTH_EFFECT or _cancels_size_effect(study):
         return
     text = (
         f"small contacts of metals are harder: like indentations {format_with_unit(depth, 'um')} deep, they may be "
         f"{factor:.1f} times as hard as large ones, and the coefficient {format_percent(effect)} lower"
     )
     yield Caveat(text, "give the depth of the indentation with --indent", "caution")
+
+
+def _cancels_size_effect(study: Study) -> bool:
+    """Return whether the interface was fitted to tests of this pair alone, so that the size effect cancels.
+
+    If the true area is too large by a factor in tests and pair, the fitted tau0 is too small by the same factor. The
+    pair must have been tested with the same hardness and without a depth of its indentation, as `is_tested_pair`
+    ensures. A ball would have another true area per load than a pair whose contacts yield.
+    """
+    strength = Inputs.from_study(study).strength
+    return strength is not None and is_tested_pair(study, strength) and strength.variation < MIN_AREA_VARIATION
 
 
 def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:

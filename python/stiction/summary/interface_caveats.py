@@ -21,6 +21,7 @@ from stiction.summary.assessment import Caveat, Severity
 SEVERITIES_OF_HEADER_ENTRIES: dict[str, Severity] = {FAULTS_HEADER_ENTRY: "fault", CAUTIONS_HEADER_ENTRY: "caution"}
 """Severity of the caveats in an interface file, by the header entry that contains them."""
 
+_EQUAL_SIZE_EFFECTS_REMEDY = "give --indent for both or for neither, and run stiction calibrate again"
 _EQUAL_RANGES_REMEDY = "give the same range in both; if the bodies differ, give different central values"
 
 
@@ -55,10 +56,13 @@ def find_interface_caveats(
 def find_range_caveats(strength: InterfaceStrength, inputs: Inputs, pair_checksum: str) -> Iterator[Caveat]:
     """Yield a caveat for each input with one central value, but different ranges in a pair and its friction tests.
 
+    A further caveat is yielded if only the pair or only the tests have the size effect of small contacts.
+
     Ranges with different central values belong to two quantities, such as the hardnesses of two materials. If an input
     is exact in the tests, the samples of the interface contain no error of this input, so that the range of the pair
     applies, and its error is independent.
     """
+    yield from _find_size_effect_difference(strength, inputs)
     estimates = {name: entry.estimate for name, entry in inputs.entries.items()}
     shared_inputs = find_shared_inputs(strength, estimates, pair_checksum)
     for name, shared_input in shared_inputs.items():
@@ -83,6 +87,25 @@ def find_range_caveats(strength: InterfaceStrength, inputs: Inputs, pair_checksu
                 _EQUAL_RANGES_REMEDY,
                 "caution",
             )
+
+
+def _find_size_effect_difference(strength: InterfaceStrength, inputs: Inputs) -> Iterator[Caveat]:
+    """Yield a caveat if only the pair, or only the tests of its interface, have the size effect of small contacts."""
+    tested_names = {name.partition(" ")[0] for name in strength.fits[0].scores}
+    tested_names |= {name for name, _ in strength.exact_inputs}
+    if "hardness" not in tested_names or "yield_exponent" not in inputs.entries:
+        return
+    has_tested_size_effect, has_size_effect = "size_effect" in tested_names, "size_effect" in inputs.entries
+    if has_tested_size_effect == has_size_effect:
+        return
+    names = ("the pair", "the tests of the interface")
+    name_with, name_without = names if has_size_effect else names[::-1]
+    yield Caveat(
+        f"{name_with} include{'s' if has_size_effect else ''} the hardness increase of small contacts (--indent), "
+        f"unlike {name_without}; τ0 of the interface belongs to another true area",
+        _EQUAL_SIZE_EFFECTS_REMEDY,
+        "caution",
+    )
 
 
 def _get_tested_range_text(shared_input: SharedInput, strength: InterfaceStrength, unit: str) -> str:

@@ -14,7 +14,6 @@ from stiction._checks import Floats, check_instance
 from stiction._estimate import Estimate
 from stiction._number_format import format_load, format_percent, format_with_unit
 from stiction._repr import render_png
-from stiction.calibration.fit import MIN_AREA_VARIATION
 from stiction.calibration.friction_tests import find_pair_hardness
 from stiction.calibration.planning import PlanConditions, PlannedTests, find_plan_conditions, plan_tests
 from stiction.calibration.prediction import Interface
@@ -23,6 +22,7 @@ from stiction.study.inputs import Inputs
 from stiction.study.interfaces import (
     ERROR_SCALING_P_VALUE_LIMIT,
     EXCLUSION_P_VALUE_LIMIT,
+    MIN_AREA_VARIATION,
     StrengthFit,
     ValueWithLimits,
     find_tail_probabilities,
