@@ -225,17 +225,20 @@ def test_uncertainty_of_a_hardness_shared_by_all_pairs_cancels_in_the_prediction
     assert result_in_other_unit.interval == pytest.approx(shared_result.interval, rel=1e-6)
 
 
-def test_two_ranges_of_one_hardness_give_the_interval_of_the_narrower_range(tmp_path) -> None:
-    def press_pair(rms: float, hardness: str) -> Any:
-        return pair(*rough_surface_pair(rms), hardness=hardness, yield_exponent=1.15, **PAIR_OPTIONS)
+@cache
+def press_yielding_pair(rms: float, hardness: str) -> Any:
+    """Return the result of a yielding pair, which is solved only once for all tests."""
+    return pair(*rough_surface_pair(rms), hardness=hardness, yield_exponent=1.15, **PAIR_OPTIONS)
 
+
+def test_two_ranges_of_one_hardness_give_the_interval_of_the_narrower_range(tmp_path) -> None:
     def fit_law(hardness: str) -> Any:
-        tests = [FrictionTest(press_pair(0.05, hardness), "20 MPa", coefficient=0.25, uncertainty=0.002)] * 4
+        tests = [FrictionTest(press_yielding_pair(0.05, hardness), "20 MPa", coefficient=0.25, uncertainty=0.002)] * 4
         return calibrate(tests, common=0.0, sliding="all", mu0=0.1)
 
     law, narrow_law = fit_law("1 GPa ± 10 %"), fit_law("1 GPa ± 2 %")
     hardnesses = ("1 GPa ± 10 %", "1 GPa ± 2 %", "1 GPa", "1 GPa ± 20 %", "1.01 GPa ± 2 %")
-    targets = {text: press_pair(0.02, text) for text in hardnesses}
+    targets = {text: press_yielding_pair(0.02, text) for text in hardnesses}
     intervals = {text: np.array(law.predict(target, "20 MPa")) for text, target in targets.items()}
     widths = {text: np.ptp(interval[1:]) for text, interval in intervals.items()}
     assert max(widths[text] for text in ("1 GPa ± 2 %", "1 GPa", "1 GPa ± 20 %")) < 1.03 * widths["1 GPa ± 10 %"]
@@ -259,30 +262,34 @@ def test_two_ranges_of_one_hardness_give_the_interval_of_the_narrower_range(tmp_
             assert result.assessment != "Quote it"
 
 
+@cache
+def fit_law_for_exact_hardness() -> Interface:
+    """Return the interface that tests of a pair with a hardness of exactly 1 GPa determine."""
+    test = FrictionTest(press_yielding_pair(0.05, "1 GPa"), "20 MPa", coefficient=0.25, uncertainty=0.002)
+    return calibrate([test] * 4, common=0.0, sliding="all", mu0=0.1)
+
+
 @pytest.mark.parametrize(("text", "is_equal"), [("1 GPa ± 10 %", True), ("1 GPa", False), ("1.01 GPa ± 10 %", False)])
 def test_range_of_a_hardness_that_is_exact_in_the_tests_applies_in_full_and_has_a_caveat(
     text, is_equal, tmp_path
 ) -> None:
-    def press_pair(rms: float, hardness: str, **options: Any) -> Any:
-        return pair(*rough_surface_pair(rms), hardness=hardness, yield_exponent=1.15, **PAIR_OPTIONS | options)
-
-    test = FrictionTest(press_pair(0.05, "1 GPa"), "20 MPa", coefficient=0.25, uncertainty=0.002)
-    law = calibrate([test] * 4, common=0.0, sliding="all", mu0=0.1)
+    law = fit_law_for_exact_hardness()
     assert dict(law.exact_inputs) == {"hardness": 1.0, "effective_modulus": 80.0, "yield_exponent": 1.15}
     write_interface(law, tmp_path / "film")
     assert read_interface(tmp_path / "film").exact_inputs == law.exact_inputs
-    target = press_pair(0.02, text)
+    target = press_yielding_pair(0.02, text)
     caveats = predict_wanted_pair(law, target).caveats
     assert len(caveats) == is_equal
     if is_equal:
         assert caveats[0].startswith(
             "! the hardness is 1 GPa ± 10 %, but exact in the tests of the interface; its error"
         )
-        result = press_pair(0.02, text, mu0=None, tau0=None, interface=tmp_path / "film")
+        options = PAIR_OPTIONS | {"mu0": None, "tau0": None, "interface": tmp_path / "film"}
+        result = pair(*rough_surface_pair(0.02), hardness=text, yield_exponent=1.15, **options)
         (caveat,) = [caveat for caveat in result.caveats if "exact in the tests" in caveat.text]
         assert f"! {caveat.text}; {caveat.remedy}" == caveats[0]
         assert result.assessment != "Quote it"
-        exact_interval = law.predict(press_pair(0.02, "1 GPa"), "20 MPa")
+        exact_interval = law.predict(press_yielding_pair(0.02, "1 GPa"), "20 MPa")
         assert np.ptp(law.predict(target, "20 MPa")[1:]) > 1.3 * np.ptp(exact_interval[1:])
 
 
