@@ -1,6 +1,7 @@
 """Compare the statuses and caveats that the page on troubleshooting quotes with those that the program prints."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -86,7 +87,7 @@ def list_mirror_caveats():
 
 
 def list_law_caveats():
-    """Return the caveats of laws that disagree with their tests, of a pair with another range, and of a missing law."""
+    """Return caveats of laws that disagree with their tests or with a pair, and of a missing law."""
     ball = Ball("5 mm", "3 GPa ± 10 %")
     loads = np.geomspace(5.0, 2000.0, 8)
     coefficients_of_laws = 0.2 + 0.05 * (-1.0) ** np.arange(8), 0.2 * loads**0.1
@@ -96,7 +97,10 @@ def list_law_caveats():
     ]
     inputs = Inputs.from_values({"effective_modulus": parse_input_value("effective_modulus", "3 GPa ± 2 %")})
     laws.append(calibrate([FrictionTest(Ball("5 mm", "3 GPa"), 100.0, coefficient=0.2, uncertainty=0.01)]))
-    return [caveat for law in (*laws, None) for caveat in find_interface_caveats(law, "film", inputs)]
+    law_of_yielding_pair = replace(laws[-1], exact_inputs=(("hardness", 2.0),))
+    inputs_with_indent = Inputs.from_study(measured_study(hardness=2.0).with_changes({"contact.indent": "2 um"}))
+    cases = [*((law, inputs) for law in (*laws, None)), (law_of_yielding_pair, inputs_with_indent)]
+    return [caveat for law, pair_inputs in cases for caveat in find_interface_caveats(law, "film", pair_inputs)]
 
 
 def test_troubleshooting_page_explains_every_status_of_results_without_a_coefficient():
