@@ -184,13 +184,13 @@ def create_half_space_study(directory, monkeypatch, num_points, **contact):
     )
 
 
-@pytest.mark.parametrize(("num_points", "ratio"), [(512**2, 1.0), (2048**2, 2.0)])
-def test_estimated_solution_time_of_large_maps_is_doubled_by_a_free_boundary(tmp_path, monkeypatch, num_points, ratio):
+@pytest.mark.parametrize("num_points", [512**2, 2048**2])
+def test_estimated_solution_time_of_maps_is_doubled_by_a_free_boundary(tmp_path, monkeypatch, num_points):
     free_time, periodic_time = (
         estimate_member_time(create_half_space_study(tmp_path, monkeypatch, num_points, boundary=boundary))
         for boundary in ("free", "periodic")
     )
-    assert free_time == pytest.approx(ratio * periodic_time, rel=0.01)
+    assert free_time == pytest.approx(2 * periodic_time, rel=0.01)
 
 
 @pytest.mark.parametrize("estimate", [estimate_member_time, estimate_member_iterations])
@@ -216,7 +216,7 @@ def test_estimated_number_of_iterations_increases_only_for_large_maps(tmp_path, 
         estimate_member_iterations(create_half_space_study(tmp_path, monkeypatch, side**2)) for side in (128, 512, 1536)
     ]
     assert iterations[0] == iterations[1]
-    assert iterations[2] == pytest.approx(2 * iterations[1], rel=0.1)
+    assert iterations[2] == pytest.approx(1.5 * iterations[1], rel=0.1)
 
 
 def test_estimated_number_of_iterations_for_soft_adhesive_maps_does_not_depend_on_the_grid_size(tmp_path, monkeypatch):

@@ -364,19 +364,21 @@ point in which profiles are generated for all cells together. "area" and "line" 
 measured maps and lines. "half-space" and "half-plane" are times per load in addition to the time of the solution.
 """
 
-SOLUTION_TIME_COEFFICIENTS = {False: (6e-8, 1.25), True: (3e-8, 1.15)}
+SOLUTION_TIME_COEFFICIENTS = {False: (6e-8, 1.25), True: (5e-8, 1.15)}
 """Power law of the time (s) of a half-space solution on one core: coefficient, and exponent of the point count.
 
-The keys are False for lines and True for maps.
+The keys are False for lines and True for periodic maps. The time includes the stiffness.
+"""
+
+TIME_FACTOR_OF_NONPERIODIC_MAPS = 2.0
+"""Factor by which half-space solutions of non-periodic maps take longer, because of their padded transforms.
+
+With 384² and 768² points, the factor was 2.1 and 2.6. The power law, this factor and the number of iterations give
+0.09, 0.5, 3.3 and 21 s for one load with 384², 768², 1536² and 3072² points; measured were 0.12, 0.7, 3.3 and 29 s on
+a busy host.
 """
 
 MAX_POINTS_WITHIN_CACHE = 2**20
-TIME_FACTOR_OF_LARGE_NONPERIODIC_MAPS = 2.0
-"""Factor by which half-space solutions of non-periodic maps above `MAX_POINTS_WITHIN_CACHE` points take longer.
-
-Their padded transforms exceed the cache of the processor, and the stiffness at each load needs another solution with
-fixed contact points. With 2048² points, both take twice the time of the power law, which fits periodic maps.
-"""
 
 TIME_FACTOR_OF_LARGE_MAPS_AT_ONCE = 1.8
 """Factor by which solutions of maps above `MAX_POINTS_WITHIN_CACHE` points take longer if two threads compute them.
@@ -391,11 +393,11 @@ The keys are False for lines and True for maps.
 """
 
 ITERATIONS_PER_LOAD = 15
-MAX_POINTS_OF_TYPICAL_ITERATIONS, ITERATION_GROWTH_EXPONENT = 2**18, 0.3
+MAX_POINTS_OF_TYPICAL_ITERATIONS, ITERATION_GROWTH_EXPONENT = 2**18, 0.2
 """Number of grid points above which maps need more iterations without adhesion, and exponent of this number.
 
-Three pairs of self-affine maps (H = 0.8, three loads) needed on average 10, 15 and 21 iterations per load with 128²,
-512² and 1024² points. One pair with 1536² points needed 30. The fit gives 15, 15, 23 and 29.
+Pairs of self-affine maps (H = 0.8) with 384², 768², 1536² and 3072² points needed on average 15, 16, 21 and 29
+iterations per load. The fit gives 15, 18, 23 and 31.
 """
 
 STIFFNESS_TIME_FACTOR = 1 + STIFFNESS_TO_SOLUTION_TIME_RATIO
@@ -573,9 +575,8 @@ def _estimate_solver_time(study: Study) -> float:
     is_areal = study.is_areal
     coefficient, exponent = SOLUTION_TIME_COEFFICIENTS[is_areal]
     num_points = count_grid_points(study)
-    is_free = isinstance(study.contact, HalfSpaceSettings) and study.contact.boundary == "free"
-    is_large_free_map = is_areal and is_free and num_points > MAX_POINTS_WITHIN_CACHE
-    factor = TIME_FACTOR_OF_LARGE_NONPERIODIC_MAPS if is_large_free_map else 1.0
+    is_free_map = is_areal and isinstance(study.contact, HalfSpaceSettings) and study.contact.boundary == "free"
+    factor = TIME_FACTOR_OF_NONPERIODIC_MAPS if is_free_map else 1.0
     return factor * _estimate_iteration_growth(study) * coefficient * math.pow(num_points, exponent)
 
 
