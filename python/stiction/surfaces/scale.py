@@ -101,22 +101,22 @@ class ScaleDependentRoughness(TextReprMixin):
     dimensions: int
 
     def gradient_at(self, wavelength: ArrayLike) -> Floats:
-        """Return the rms slope due to all wavelengths at or above each given wavelength (µm).
+        """For each given wavelength (µm), return the rms slope due to this and all longer wavelengths.
 
         The result is constant below the shortest wavelength of the body.
         """
         return _interpolate_log_log(self.wavelength, self.gradient, wavelength)
 
     def curvature_at(self, wavelength: ArrayLike) -> Floats:
-        """Return the rms curvature (1/µm) due to all wavelengths at or above each given wavelength (µm)."""
+        """For each given wavelength (µm), return the rms curvature (1/µm) due to this and all longer wavelengths."""
         return _interpolate_log_log(self.wavelength, self.curvature, wavelength)
 
     def fraction_below(self, wavelength: ArrayLike) -> Floats:
-        """Return the fraction of the mean square slope that is due to wavelengths below each given wavelength (µm)."""
+        """For each given wavelength (µm), return the fraction of the mean square slope due to shorter wavelengths."""
         return np.asarray(1 - np.square(self.gradient_at(wavelength) / self.gradient[-1]))
 
     def continued(self, wavelength: ArrayLike, estimate: HurstEstimate) -> Floats:
-        r"""Return the rms slope due to all wavelengths at or above each given wavelength (µm), extrapolated if needed.
+        r"""For each given wavelength (µm), return the rms slope due to this and longer ones, extrapolated if needed.
 
         The power law of `estimate` adds the wavelengths that are too short for the scan.
 
@@ -138,7 +138,7 @@ class ScaleDependentRoughness(TextReprMixin):
         )
 
     def wavelength_of(self, gradient: float, estimate: HurstEstimate | None = None) -> float:
-        """Find the shortest wavelength (µm) that must be included for the rms slope to reach `gradient`.
+        """Find the wavelength (µm) down to which wavelengths must be included for an rms slope of `gradient`.
 
         The power law of `estimate`, if given, extrapolates the spectrum.
 
@@ -291,7 +291,7 @@ def _interpolate_log_log(wavelength: Floats, values: Floats, target_wavelengths:
 
 @dataclass(frozen=True, repr=False)
 class InstrumentLimit(TableReprMixin):
-    """Wavelength below which pixels, noise or the tip make a scan unreliable, and the cause of this limit.
+    """Shortest wavelength at which a scan is reliable, with the cause of this limit: pixels, noise or the tip.
 
     Attributes
     ----------
@@ -358,7 +358,7 @@ class InstrumentLimit(TableReprMixin):
 def instrument_limit(
     body: Profile | Surface, *, tip_radius: float | None = None, periodic: bool = False, texture: bool = False
 ) -> InstrumentLimit:
-    """Find the wavelength below which pixels, noise or the tip make a scan unreliable.
+    """Find the shortest wavelength at which a scan is reliable, given its pixels, its noise and its tip.
 
     Parameters
     ----------
@@ -509,7 +509,7 @@ def round_up_wavelength(wavelength: float) -> float:
 
 
 def cutoff_for_slope_fraction(roughness: ScaleDependentRoughness, fraction: float, upper: float, lower: float) -> float:
-    """Find the cutoff (µm) of a low-pass filter that removes a given fraction of the mean square slope.
+    """Find the low-pass cutoff (µm) at which a filter removes a given fraction of the mean square slope.
 
     `upper` and `lower` are the limits of the cutoff.
     """
@@ -550,7 +550,7 @@ def line_spectra(body: Profile | Surface, periodic: bool) -> list[LineSpectrum]:
 
 
 def _count_independent_lines(transform: NDArray[np.complex128], *, periodic: bool) -> Floats:
-    """Estimate the number of statistically independent lines of a map, at each wave number along the lines.
+    """For each wave number along the lines, estimate how many lines of a map are statistically independent.
 
     The mean spectrum over the lines has the relative variance sum(P²)/sum(P)², where P are the powers of the wave
     vectors across the lines. Lines along straight grooves are copies of each other and count as one line. The factor 2
@@ -567,7 +567,7 @@ def _count_independent_lines(transform: NDArray[np.complex128], *, periodic: boo
 
 
 def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: list[float]) -> tuple[bool, float]:
-    """Compare the noise of a map along x with its noise along y, if noise was found along at least one axis.
+    """Compare the noise along x with the noise along y in a map, if noise was found along x, along y, or both.
 
     White noise has the same variance along both axes, so its densities are proportional to the spacings.
 
@@ -611,7 +611,7 @@ def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: li
 
 
 class _NoiseAndTexture(NamedTuple):
-    """Noise and periodic texture in a line spectrum: longest noisy wavelength, and period of the texture."""
+    """Longest wavelength dominated by noise, and period of the texture, both found in a spectrum along lines."""
 
     wavelength_limit: float  # µm, NaN without noise
     noise_kind: str
@@ -622,7 +622,7 @@ class _NoiseAndTexture(NamedTuple):
 def _find_noise_and_texture(
     q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool, textured: bool
 ) -> _NoiseAndTexture:
-    """Find the texture period in a line spectrum, and the wavelength below which noise dominates."""
+    """Find in a spectrum along lines the period of a texture, and the wavelength below which noise dominates."""
     first_harmonic, harmonic_distance = find_texture_harmonics(density)
     period = 2 * math.pi / (float(q[0]) * first_harmonic)
     if first_harmonic > 0:
@@ -651,7 +651,7 @@ def _find_noise_and_texture(
 
 
 def _falls_as_steeply_as_surface_spectra(q: Floats, density: Floats, wavelength_limit: float) -> bool:
-    """Return whether a textured surface's spectrum falls towards short wavelengths as steeply as one without noise.
+    """Return whether a textured surface's spectrum falls at short wavelengths as steeply as spectra without noise do.
 
     Noise that matters exceeds the harmonics at short wavelengths, and flattens their spectrum too. Cusps of unequal
     depth raise only the density between the harmonics.
@@ -678,7 +678,7 @@ def _falls_as_steeply_as_surface_spectra(q: Floats, density: Floats, wavelength_
 def _find_noise_wavelength(
     q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool
 ) -> tuple[float, str]:
-    """Return the wavelength (µm) below which noise dominates a spectrum without texture, and the kind of noise.
+    """Return the wavelength (µm) below which noise dominates a spectrum without texture, and the type of this noise.
 
     The limit is NaN if there is no noise.
     """
@@ -729,7 +729,7 @@ def _find_noise_wavelength(
 
 
 def _fit_line_slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
-    """Fit a straight line to y(x) with given variances; return the slope and its standard deviation."""
+    """Fit a straight line to y(x), where each y has a given variance; return the slope and its standard deviation."""
     weight = 1 / (variance + 0.01)
     x_deviations = x - np.average(x, weights=weight)
     weighted_square_sum = float(weight @ x_deviations**2)
@@ -763,7 +763,7 @@ def _is_noise_floor(wavelengths: Floats, density: Floats, chance_variance: Float
 def _fit_window_exponents(
     x: Floats, y: Floats, chance_variance: Floats, octaves: float
 ) -> Iterator[tuple[int, int, float, float]]:
-    """Fit power laws to a spectrum in overlapping windows, each `octaves` octaves wide.
+    """Fit a power law to each of several overlapping windows of a spectrum; a window is `octaves` octaves wide.
 
     Yields first bin, exclusive end, exponent and its standard deviation.
     """
@@ -777,7 +777,7 @@ def _fit_window_exponents(
 def _find_flattening_bin(
     window_fits: list[tuple[int, int, float, float]], points: Floats, density: Floats, chance_variance: Floats
 ) -> int | None:
-    """Return the bin where a spectrum that falls at first becomes too flat to be the spectrum of roughness.
+    """Return the bin at which an initially falling spectrum becomes flatter than any spectrum of roughness.
 
     This is the bin of lowest density in the first window that is too flat. Returns None if there is no such window.
     """
@@ -795,7 +795,7 @@ def _find_flattening_bin(
 
 
 def _find_bin_before_rise(points: Floats, density: Floats, chance_variance: Floats) -> int | None:
-    """Return the bin of lowest spectral density if the density rises strongly from there to shorter wavelengths.
+    """Return the bin of lowest spectral density if the density is much higher at shorter wavelengths.
 
     Returns None without a rise.
     """
@@ -815,7 +815,7 @@ def _find_bin_before_rise(points: Floats, density: Floats, chance_variance: Floa
 
 
 def _is_quantised(body: Profile | Surface) -> bool:
-    """Return whether rounding of the heights to a step explains a large fraction of a body's noise."""
+    """Return whether the rounding of heights to a step is the cause of a large fraction of a body's noise."""
     mean_square_second_difference = float(np.square(np.diff(body.heights, 2)).mean())
     # Rounding to steps s adds white noise of variance s²/12, whose mean square second difference is s²/2.
     return body.height_step**2 / 2 > _MIN_QUANTISATION_FRACTION * mean_square_second_difference

@@ -1,4 +1,4 @@
-"""Defects of a scan: spikes, instrument noise, a blunt tip, and drift of the roughness."""
+"""Defects of a scan: spikes, instrument noise, effects of a blunt tip, and a change of roughness along the scan."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ MAX_NOISE_SLOPE_FRACTION = 0.01
 
 
 class ScanDefects:
-    """Defects of a scan: outliers, spikes, noise and tip limit.
+    """Defects of a scan: outliers, spikes, noise, and wavelengths too short for the tip.
 
     Each defect is computed on first use.
 
@@ -94,7 +94,7 @@ class ScanDefects:
 
     @cached_property
     def num_spikes(self) -> int:
-        """Number of spikes in the scan: outliers with an abrupt height change, which in profiles must also be isolated.
+        """Number of spikes in the scan: outliers at which the height changes abruptly (in profiles: isolated ones).
 
         Cusps and edges of machined surfaces are sharp too, but usually not outliers. Narrow scratches can be outliers,
         but are not isolated.
@@ -108,7 +108,7 @@ class ScanDefects:
 
     @cached_property
     def body_without_outliers(self) -> Profile | Surface:
-        """Scan with interpolated outliers.
+        """Copy of the scan in which the heights of outliers are interpolated.
 
         Without interpolation, outliers would resemble white noise in spectra.
 
@@ -122,7 +122,7 @@ class ScanDefects:
 
     @cached_property
     def instrument_limit(self) -> InstrumentLimit:
-        """Shortest wavelength at which the scan is reliable, limited by pixels and noise.
+        """Shortest wavelength at which the scan is reliable, given its pixels and its noise.
 
         Raises a `ValueError` if the body is flat.
         """
@@ -130,7 +130,7 @@ class ScanDefects:
 
     @cached_property
     def hidden_noise(self) -> NoiseHiddenInSpectrum | None:
-        """White noise that the scan may contain although its spectrum shows no noise floor, or None.
+        """White noise that the scan may contain although its spectrum shows no noise floor; None if there is none.
 
         None if there is no such noise, if visible noise already exceeds a tenth of the mean square slope, or if the
         scan is textured.
@@ -141,14 +141,14 @@ class ScanDefects:
 
     @property
     def instrument_limit_with_tip(self) -> InstrumentLimit | None:
-        """Shortest wavelength at which the scan is reliable, limited by pixels, noise and the tip.
+        """Shortest wavelength at which the scan is reliable, given its pixels, its noise and its tip.
 
         None if no tip radius is given. Raises a `ValueError` if the body is flat.
         """
         return self._find_instrument_limit_with_tip(0.0)
 
     def find_noise_slope_fraction(self, cut_off: float) -> float:
-        """Return the fraction of the mean square slope that is noise after a low-pass filter at `cut_off` (µm).
+        """Return noise's fraction of the mean square slope that remains after a low-pass filter at `cut_off` (µm).
 
         At wavelengths below `instrument_limit`, the noise is assumed to have the same spectrum as the scan. Raises a
         `ValueError` if the body is flat.
@@ -165,7 +165,7 @@ class ScanDefects:
         return limit.slope_fraction * noise_transmission / transmission
 
     def find_tip_limit(self, cut_off: float) -> InstrumentLimit | None:
-        """Return the shortest reliable wavelength of a low-pass filtered scan if the tip limits it, otherwise None.
+        """Return the shortest reliable wavelength of a low-pass filtered scan, or None if the tip does not limit it.
 
         The filter has the cutoff `cut_off` (µm, 0 for no filter). Returns None if no tip radius is given, if pixels or
         noise set the limit, or if shorter wavelengths contribute at most 1 % of the mean square slope. Raises a
@@ -211,7 +211,7 @@ def compute_lay_ratio(surface: Surface) -> float:
 
 
 def estimate_roughness_drift(body: Profile | Surface) -> float:
-    """Estimate the drift of the roughness: the change of ln(rms slope) from one end of a scan to the other.
+    """Estimate a scan's roughness drift: the change of ln(rms slope) from one end of the scan to the other.
 
     A linear trend is fitted to the logarithms of the rms slopes of strips. For maps, the trends along both axes are
     combined. The result is 0 if no trend exceeds what a stationary surface shows by chance.
@@ -315,7 +315,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
 
 
 def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return a mask of isolated outliers, which stand out abruptly, unlike cusps and the bottoms of grooves.
+    """Return a mask of those outliers that are isolated; unlike cusps and groove bottoms, they stand out abruptly.
 
     A group of adjacent outliers is isolated if its deviation from the profile without outliers is large compared with
     the height of its flanks, or if a single step on its flanks makes up most of its height. Dips must also be deep,
@@ -328,7 +328,7 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
     min_height = _MIN_SPIKE_TO_RMS_RATIO * float(levelled(profile, "line").heights.std())
 
     def measure_from_flanks(heights: Floats, group: slice) -> Floats:
-        """Return heights of adjacent outliers and their flanks, relative to the line between the flanks' outer ends."""
+        """Return heights of adjacent outliers and their flanks, measured from a line through the flanks' outer ends."""
         start, stop = max(group.start - _NUM_FLANK_POINTS, 0), min(group.stop + _NUM_FLANK_POINTS, outliers.size)
         baseline = np.linspace(remaining_heights[start], remaining_heights[stop - 1], stop - start)
         return heights[start:stop] - baseline

@@ -31,7 +31,7 @@ _RDC_MATERIAL_RATIOS = 0.2, 0.8
 
 
 class SettingClass(NamedTuple):
-    """Setting class of ISO 21920: default filter cutoffs, tip radius and spacing, largest Ra and RSm (all in µm)."""
+    """Setting class of ISO 21920: default cutoffs, tip radius, spacing, and upper limits of Ra and RSm (µm)."""
 
     name: str
     section_length: float
@@ -55,12 +55,12 @@ _INITIAL_SETTING_CLASS_INDEX = 2
 
 
 class SectionLengthError(ValueError):
-    """Error for a profile that is too short, or whose spacing is too large, for the required section length."""
+    """Error raised if a profile is too short, or its spacing is too large, for sections of the required length."""
 
 
 @dataclass(frozen=True, repr=False)
 class SectionFilters:
-    """Filter cutoffs and number of sections for roughness and waviness parameters, with the reason for the cutoffs.
+    """Filter cutoffs and number of sections for computing R- and W-parameters, and the reason for these cutoffs.
 
     Attributes
     ----------
@@ -135,7 +135,7 @@ def section_parameters(
     sections: int = DEFAULT_SECTION_COUNT, robust: bool = False, derivative: DerivativeFormula = "seven-point",
     spacing: Any = None, unit: str = "um",
 ) -> SectionParameters:  # fmt: skip
-    r"""Compute the R- and W-parameters of a profile as they are specified on technical drawings.
+    r"""Compute the roughness (R) and waviness (W) parameters of a profile, as technical drawings specify them.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ def section_parameters(
 def _compute_with_setting_class(
     profile: Profile, ls: float | None, sections: int, robust: bool, derivative: DerivativeFormula
 ) -> SectionParameters:
-    """Compute R- and W-parameters with the setting class of ISO 21920 that matches the resulting Ra and RSm."""
+    """Compute R- and W-parameters with the setting class of ISO 21920 that fits the Ra and RSm it gives."""
     section_lengths = [setting.section_length for setting in SETTING_CLASSES]
     if section_lengths[0] > profile.extent * ROUND_OFF_FACTOR:
         raise SectionLengthError(_format_too_short_message(profile, section_lengths[0]))
@@ -232,7 +232,7 @@ def _compute_with_setting_class(
     results_by_class: dict[int, SectionParameters] = {}
 
     def find_matching_setting_class(index: int) -> int:
-        """Compute Ra and RSm with the setting class `index`, and return the index of the class for these values."""
+        """Compute Ra and RSm with the setting class `index`; return the index of the class to which they belong."""
         if index not in results_by_class:
             lc = SETTING_CLASSES[index].section_length
             results_by_class[index] = _compute_with_cutoff(profile, lc, ls, sections, robust, derivative)

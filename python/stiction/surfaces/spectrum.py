@@ -94,7 +94,7 @@ class PowerSpectrum(PlotReprMixin):
 
 
 def _average_in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return mean wave number, mean density and number of harmonics of each bin of a spectrum."""
+    """For each bin of a spectrum, return the mean wave number, the mean density and the number of harmonics."""
     # The margin 1e-9 prevents round-off from moving a harmonic at the lower limit of a bin into the bin below.
     _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
     total_count = np.bincount(index, count).astype(np.float64)
@@ -289,7 +289,7 @@ def is_within_wavelength_band(wave_number: Floats, shortest: float, longest: flo
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RadialSpectrum(TextReprMixin):
-    """Spectrum of a height map, averaged over the directions of the wave vectors.
+    """Spectrum of a height map as a function of wave number, averaged over all directions.
 
     Attributes
     ----------
@@ -346,7 +346,7 @@ class SurfaceSpectrum(TextReprMixin):
     density: Floats = field(metadata={"unit": "µm⁴"})
 
     def moments(self, direction: float = 0.0) -> ProfileMoments:
-        r"""Return the variances of height, slope and curvature along lines in a given direction.
+        r"""Return the variances of height, slope and curvature of sections along a given direction.
 
         `direction` is in degrees from +x towards +y.
 
@@ -410,7 +410,7 @@ class SurfaceSpectrum(TextReprMixin):
         return q[is_counted][ascending_order], directions % 180, self.density[is_counted][ascending_order]
 
     def radial(self, per_decade: int = 10) -> RadialSpectrum:
-        """Average the spectrum over rings of wave vectors that have equal widths in the logarithm of the wave number.
+        """Average the spectrum in rings of the wave-vector plane; all rings have the same width in ln(wave number).
 
         There are `per_decade` rings per decade; empty rings are omitted.
 
@@ -509,7 +509,7 @@ def areal_spectrum(heights: Floats, spacing: tuple[float, float], *, windowed: b
 
 
 def find_spectral_peak(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[float, float] | None:
-    """Find the highest narrow and statistically significant peak of a spectrum, or return None.
+    """Find a spectrum's highest peak that is narrow and statistically significant; return None without such a peak.
 
     Returns the wavelength (µm) of the peak and the fraction of m4 in all peaks; None if there is no peak.
     """

@@ -94,7 +94,7 @@ class Surface(Body):
         return Profile(self.heights[index], spacing=self.spacing[axis], history=(*self.history, step), missing=mask)
 
     def with_amplitude(self, amplitude: float, measure: SurfaceAmplitudeMeasure = "height") -> Surface:
-        """Return a copy of the height map with zero mean, whose heights are scaled to an amplitude (µm).
+        """Return a copy of the height map with zero mean and a given amplitude (µm), obtained by scaling the heights.
 
         Parameters
         ----------
@@ -191,7 +191,7 @@ def parse_shape(shape: Any, *, min_count: int) -> tuple[int, int]:
 
 
 def reject_flat_body(body: Profile | Surface) -> None:
-    """Raise a `ValueError` if a body is flat, or if powers of its height range would underflow or overflow."""
+    """Raise a `ValueError` if a body is flat, or if its height range is too small or too large to compute with."""
     kind_name, height = type(body).__name__.lower(), float(np.ptp(body.heights))
     if height == 0:
         raise ValueError(f"{kind_name} must not be flat, because a flat {kind_name} has no roughness")

@@ -26,7 +26,7 @@ _MAX_DEFAULT_SIDE_POINTS = 512
 def surrogate(
     body: AnyBody, seed: int, *, repetition: int = 0, side: Side = "lower", periodic: bool = False
 ) -> AnyBody:
-    """Generate a profile or height map with random phases and the spectrum of a given profile or height map.
+    """Generate a profile or map that has the spectrum of a given profile or map, but random phases.
 
     Surrogates with different seeds or repetitions form an ensemble for a measured surface.
 
@@ -187,7 +187,7 @@ def isotropic_surface(
     side: Side = "lower",
     periodic: bool = False,
 ) -> Surface:
-    """Generate an isotropic Gaussian height map with the spectrum of a profile, as an areal surrogate.
+    """Generate an isotropic Gaussian height map with the spectrum of a profile, to replace the profile by a map.
 
     An ensemble of areal surrogates represents the surface from which the profile was measured, *if* this surface is
     isotropic. A profile across the grooves of a ground surface yields hills instead of grooves, with an rms gradient
@@ -255,7 +255,7 @@ def gaussian_heights(power: Floats, seed: int, repetition: int, side: Side) -> F
 
 
 def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Floats, Floats]:
-    """Fit an isotropic density C2D to the spectrum of a profile; the density is constant in rings of wave vectors.
+    """Fit an isotropic density C2D, constant in each ring of wave vectors, to the spectrum of a profile.
 
     Returns the edges of the rings, the densities, and the numbers of harmonics.
     """
@@ -294,7 +294,7 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
 
 
 def _fit_densities(response: Floats, measured_density: Floats, count: Floats, density: Floats) -> Floats:
-    """Fit the spectral density in each ring of wave vectors to a profile's spectrum by maximum likelihood.
+    """Fit by maximum likelihood the spectral densities of rings of wave vectors that reproduce a profile's spectrum.
 
     The likelihood is maximized by Fisher scoring.
     """

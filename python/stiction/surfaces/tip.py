@@ -87,7 +87,7 @@ def tip_reconstructed(scan: Profile | Surface, radius: float) -> tuple[Profile |
 
 
 def sharpened(scan: Profile | Surface, radius: float, factor: float) -> Profile | Surface:
-    """Sharpen a scan: subtract a multiple of the tip correction (the scan minus the reconstructed surface).
+    """Sharpen a scan: subtract from it a multiple of the correction for the tip (scan minus reconstructed surface).
 
     The factor 1 yields the reconstruction. Larger factors yield estimates of the roughness that the tip did not reach.
     Missing points stay missing, and their interpolated heights are used. The correction is computed for the levelled
@@ -124,7 +124,7 @@ def _erode_by_tip(heights: Floats, spacing: Floats, radius: float) -> Floats:
 def _iterate_tip_offsets(
     shape: tuple[int, ...], spacing: Floats, radius: float, max_tip_height: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
-    """Yield array slices for each offset from the tip's lowest point, and the height (µm) of the tip surface there.
+    """For each offset from the tip's lowest point, yield array slices and the height (µm) of the tip at this offset.
 
     The first slices select the points, the second their neighbours at the offset.
     """
@@ -145,7 +145,7 @@ def _iterate_tip_offsets(
 def _compute_tip_half_width(
     shape: tuple[int, ...], spacing: Floats, radius: float, tip_height: float
 ) -> tuple[float, list[int]]:
-    """Return the half width of a spherical tip at a given height (µm) above its lowest point.
+    """Return half the width of a spherical tip, measured at a given height (µm) above the tip's lowest point.
 
     The half width is in µm and, for each axis, in points.
     """

@@ -1,4 +1,4 @@
-"""Assessment of a result as text: caveats, their remedies, and the measurement that would help most."""
+"""Text about a result's assessment: its caveats, their remedies, and the measurement that would help most."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def assessment_paragraph(
     points: Sequence[PointSummary], max_lines: int | None = None, *, max_groups: int | None = None,
     complete_command: str = COMPLETE_OUTPUT_METHOD,
 ) -> Paragraph:  # fmt: skip
-    """Return a paragraph on result points: their assessment, and their caveats with remedies.
+    """Return a paragraph with the assessment of given result points, and with their caveats and remedies.
 
     For a single point, the paragraph also names the measurement that would help most. Similar caveats of several points
     are grouped. At most `max_lines` lines of caveats are printed or, without `max_lines`, at most `max_groups` groups.
@@ -50,7 +50,7 @@ def assessment_paragraph(
 
 
 def _common_assessment_text(points: Sequence[PointSummary]) -> str:
-    """Return the assessment that all given result points share.
+    """Return the assessment of several result points that all have the same assessment.
 
     For a single point, a sentence on the measurement that would help most follows.
     """
@@ -72,12 +72,12 @@ def count_assessments(points: Sequence[PointSummary]) -> dict[str, int]:
 
 
 def count_assessments_text(points: Sequence[PointSummary]) -> str:
-    """Format the numbers of result points with each assessment as text, as in "Quote it (3 of 4)"."""
+    """Format how many result points have each assessment, as in "Quote it (3 of 4)"."""
     return ", ".join(f"{text} ({count} of {len(points)})" for text, count in count_assessments(points).items())
 
 
 def _group_similar_caveats(points: Sequence[PointSummary]) -> list[list[Caveat]]:
-    """Group caveats of all result points by severity, and by text apart from numbers. Groups of faults come first."""
+    """Group caveats that have the same severity, and the same text except for numbers. Faults come first."""
     groups: dict[tuple[str, str], list[Caveat]] = {}
     for caveat in (caveat for point in points for caveat in point.caveats):
         groups.setdefault((caveat.severity, _CAVEAT_NUMBER_PATTERN.sub("", caveat.text)), []).append(caveat)
@@ -103,7 +103,7 @@ def _merge_caveats(group: Sequence[Caveat]) -> Caveat:
 
 
 def _number_with_unit(number: tuple[str, str]) -> float:
-    """Convert a pair of texts (number, unit) to a number in the unit without prefix, such as Pa instead of kPa."""
+    """Convert texts (number, unit) to a number in the unit without its prefix, for example in Pa instead of kPa."""
     unit = number[1].strip()
     return float(number[0]) * (_PREFIX_FACTORS.get(unit[0], 1.0) if len(unit) > 1 and unit not in ("Pa", "m²") else 1.0)
 
@@ -122,7 +122,7 @@ def _caveat_line(caveat: Caveat, suffix: str = "") -> WrappedText:
 
 
 def most_useful_measurement_text(point: PointSummary) -> str:
-    """Return a sentence such as "With a finer scan, the interval would be [0.2, 0.3].", or "" if no input dominates."""
+    """Return a sentence on the measurement that would help most, such as "With a finer scan, ...", if there is one."""
     dominant_input = point.dominant_input
     if dominant_input is None or any(fault.name != WIDE_INTERVAL_CHECK_NAME for fault in point.faults):
         return ""

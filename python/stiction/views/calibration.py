@@ -53,7 +53,7 @@ UNLIMITED_PREDICTION_TEXT = (
 
 @dataclass(frozen=True)
 class WantedPairPrediction:
-    """Coefficients predicted for the requested pair at all study loads, with plans of further friction tests.
+    """Predicted coefficients of a pair at all loads of its study, and proposals for further friction tests.
 
     `points` has the text of each load, and the coefficient with its interval. `caveats` are texts about inputs of the
     pair that the tests also have, but with other ranges. `hardness` is the hardness (GPa) of the pair, or NaN for an
@@ -72,7 +72,7 @@ class WantedPairPrediction:
 
 
 def predict_wanted_pair(interface: Interface, result: Evaluation) -> WantedPairPrediction:
-    """Predict the coefficients of a requested pair, and their intervals after further friction tests."""
+    """Predict the coefficients of a pair, and how further friction tests would change their intervals."""
     loads = [float(load) for load in result.study.friction.load]
     points = tuple(
         (
@@ -90,7 +90,7 @@ def predict_wanted_pair(interface: Interface, result: Evaluation) -> WantedPairP
 def calibration_text(
     interface: Interface, pair_notes: Sequence[str] = (), prediction: WantedPairPrediction | None = None
 ) -> str:
-    """Return a calibration as text: mu0 + tau0 A/F, mu0, tau0, junction growth, and the fit for each sliding rule.
+    """Return a calibration as text: mu0, tau0, mu0 + tau0 A/F, junction growth, and the fit under each sliding rule.
 
     `pair_notes` are paragraphs about the tested pairs, such as notes on their lay. `prediction` replaces the table of
     tests that would separate mu0 and tau0.
@@ -131,7 +131,7 @@ def calibration_text(
 
 
 def _plan_conditions_text(conditions: PlanConditions) -> str:
-    """Return text on the friction tests that a plan proposes: the error assumed for each test, the loads to choose."""
+    """Return text on proposed friction tests: the error that each test is assumed to have, and the loads to choose."""
     reason = "the median of your tests" if conditions.is_error_known else "because the errors of your tests are unknown"
     low, high = conditions.ball_area_per_load
     error_text = f"has an error of {format_percent(conditions.relative_error)}, {reason}."
@@ -169,19 +169,19 @@ def _describe_prediction(interface: Interface, prediction: WantedPairPrediction)
 
 
 def list_pair_caveats(interface: Interface) -> list[str]:
-    """Return one caveat per fault of a tested pair, with the advice not to quote coefficients of the interface."""
+    """Return a caveat for each severe fault of a tested pair, with advice not to quote the interface's coefficients."""
     return [f"! {place}, do not quote: {fault}" for place, fault in interface.pair_faults]
 
 
 def list_lay_notes(name: str, result: Evaluation) -> list[str]:
-    """Return a note on the lay that was assumed for the profiles of a pair; empty for height maps."""
+    """Return a note on the lay assumed for a tested pair of profiles; empty for height maps."""
     lay = lay_assumption(result.study)
     note = f"{name}: computed for {lay}. Another lay would change A/F, and no interval includes this change."
     return [note] if lay else []
 
 
 def _area_per_load_text(interface: Interface) -> str:
-    """Return a sentence on the true area per load A/F of the tests: mean with interval, and range."""
+    """Return a sentence on the ratio A/F (true area to load) in the tests: its mean with interval, and its range."""
     ratios = np.array([test[0] for test in interface.tests])
     value, low, high = interface.tested_area_per_load
     is_exact = math.isnan(low) or high - low <= MIN_PRINTED_AREA_PER_LOAD_RANGE * value
@@ -217,7 +217,7 @@ def _describe_unseparated_mu0_tau0(interface: Interface) -> Iterator[str]:
 
 
 def _find_ends_of_strengths(interface: Interface) -> tuple[tuple[str, str], tuple[str, str]]:
-    """Return the two extreme pairs of mu0 and tau0 that the tests allow, as text.
+    """Return as text the extreme pairs (mu0, tau0) that the tests allow: lowest tau0, and lowest mu0.
 
     The first pair has the lowest tau0, and the second the lowest mu0. The samples at an end have tau0 = 0 or mu0 = 0.
     If the tests exclude this value, the samples are the 5 % with the lowest tau0 or mu0, whose median is the lower
@@ -239,7 +239,7 @@ def _find_ends_of_strengths(interface: Interface) -> tuple[tuple[str, str], tupl
 
 
 def _junction_growth_text(interface: Interface) -> str:
-    """Return a sentence on the junction growth α that the tests determine, with its interval."""
+    """Return a sentence on junction growth: how the tests were evaluated, and whether the tests narrow its range."""
     growth = interface.junction_growth
     assert growth is not None, "tests have a junction growth"
     text = f"Junction growth: the tests were evaluated with {junction_growth_text(growth)}"
@@ -335,7 +335,7 @@ def _build_plan_conditions(conditions: PlanConditions) -> dict[str, Any]:
 
 
 def _build_prediction_fields(prediction: WantedPairPrediction | None) -> dict[str, Any]:
-    """Return predicted coefficients and planned tests as JSON fields; {} if no prediction is requested."""
+    """Return predicted coefficients and proposed tests as JSON fields; {} if no prediction was requested."""
     if prediction is None:
         return {}
     return {

@@ -1,4 +1,4 @@
-"""Characterisation of a profile or surface as rows of a table, for text, JSON, CSV and report."""
+"""Table that characterises a profile or surface; the same rows serve for text, JSON, CSV and reports."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _JSON_UNIT_EXCEPTIONS = {"": "1"}
 
 
 class TableRow(NamedTuple):
-    """Row of a characterisation table: a label, the printed texts, and the numbers that JSON and CSV contain.
+    """Row of a characterisation table: its label, the texts to print, and the numbers for JSON and CSV.
 
     Rows on the lines of a surface have two texts, for x and for y.
     """
@@ -67,7 +67,7 @@ class CharacterisationTable:
 
     @cached_property
     def rows(self) -> list[TableRow]:
-        """Rows of the table that describe the whole profile or surface."""
+        """Rows of the characterisation table on the whole profile or surface."""
         points, spacings = np.shape(self.scan.body.heights)[::-1], np.atleast_1d(self.scan.body.spacing)[::-1]
         rows = [
             TableRow("" if index else "history", (step,), is_detail=True)
@@ -167,7 +167,7 @@ class CharacterisationTable:
         return row
 
     def _missing_autocorrelation_text(self, name: str) -> str:
-        """Return the text for Sal or Str if the autocorrelation does not decay to 0.2 within half the map."""
+        """Return the text for Sal or Str if the autocorrelation stays above 0.2 at distances of up to half the map."""
         autocorrelation_length = getattr(self.scan.parameters, "Sal", math.nan)
         if name == "Sal":
             return "none: no decay to 0.2 within half the map"
@@ -303,7 +303,7 @@ class CharacterisationTable:
         return rows
 
     def _density_ratio_at_longest_wavelength(self, longest: float) -> float:
-        """Return the ratio of the spectral density near the wavelength `longest` (µm) to that at longer wavelengths.
+        """Return the spectral density near the wavelength `longest` (µm), divided by the density at longer wavelengths.
 
         The ratio is 0 if the spectrum has too few longer wavelengths.
         """
@@ -318,7 +318,7 @@ class CharacterisationTable:
 
     @cached_property
     def line_table_rows(self) -> list[TableRow]:
-        """Rows of the table that describe the lines of a surface along x and along y."""
+        """Rows of the characterisation table on the lines along x and the lines along y of a surface."""
         if not self.scan.line_roughnesses:
             return []
         line_directions, moments = self.scan.line_roughnesses, self.scan.areal_analysis[1]
@@ -370,7 +370,7 @@ class CharacterisationTable:
 def find_outlier_caveats(
     scans: Sequence[Characterisation], names: Sequence[str], *, consequence: str, option: str
 ) -> list[Caveat]:
-    """Return one caveat for each scan with outliers, which are excluded from its spectrum.
+    """Return one caveat for each scan that has outliers; its spectrum is computed without the outliers.
 
     `consequence` is a clause about the numbers that exclude the outliers. `option` is the option that removes the
     outliers from the scan.
@@ -455,7 +455,7 @@ def _json_unit(parameter: ParameterDefinition) -> str:
 
 
 def _tip_limit_text(limit: InstrumentLimit) -> str:
-    """Return the text on the tip's resolution: the wavelength below which the tip does not resolve the surface.
+    """Return text on the wavelength below which the scan does not resolve the surface because of the tip.
 
     No cutoff is suggested, because filtering does not restore these wavelengths.
     """
@@ -470,7 +470,7 @@ def _tip_limit_text(limit: InstrumentLimit) -> str:
 
 
 def _filters_text(result: SectionParameters) -> str:
-    """Return the filters and the evaluation length of the roughness parameters as text."""
+    """Return text on the filters and the evaluation length used for the roughness parameters."""
     filters = result.filters
     short_cutoff_text = "no λs" if filters.ls is None else f"λs {length_text(filters.ls)}"
     filter_kind = "robust Gaussian regression" if filters.robust else "Gaussian"
@@ -557,7 +557,7 @@ def _file_record(file: str, result: Characterisation) -> dict[str, Any]:
 
 
 def characterisation_csv(files: CharacterisedFiles) -> str:
-    """Return the characterisations of files as CSV, with one row per file and empty cells for missing numbers."""
+    """Return the characterisations of several files as CSV: one row per file, and empty cells for missing numbers."""
     import pandas
 
     rows = []

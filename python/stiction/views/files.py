@@ -49,7 +49,7 @@ def check_all_replaceable(directory: Path, file_marks: Mapping[str, bytes]) -> N
 
 
 def replace_text_file(path: Path, text: str, file_mark: bytes) -> None:
-    """Write a text file, and replace an existing file of this name only if the existing file contains `file_mark`.
+    """Write a text file; if a file of this name exists, replace it only if it contains `file_mark`.
 
     Raises a `ValueError` if the existing file lacks the mark.
     """
@@ -64,12 +64,12 @@ def write_new_text_file(path: Path, text: str) -> None:
 
 
 def summary_csv(summary: Summary) -> str:
-    """Return the summary of a result as CSV, with columns for friction and for the other quantities."""
+    """Return the summary of a result as CSV: columns with friction, and columns with other quantities."""
     return frame_to_csv(summary_table(summary))
 
 
 def result_csv(result: Evaluation) -> str:
-    """Return a result at the loads of its study as CSV, with columns for friction and for the other quantities."""
+    """Return a result at the loads of its study as CSV: columns with friction, and columns with other quantities."""
     return summary_csv(result.complete_summary())
 
 
@@ -120,7 +120,7 @@ def write_result(result: Evaluation, path: Path) -> None:
 
 
 def write_table_at(result: Evaluation, path: Path, *, load: Any, mu0: Any, tau0: Any) -> None:
-    """Write a table of results at given loads, mu0 and tau0, as for `Result.at`, to a new file in one `TABLE_FORMATS`.
+    """Write results at given loads, mu0 and tau0 as a table to a new file, in a format of `TABLE_FORMATS`.
 
     Raises a `ValueError` as `write_result` does.
     """
@@ -133,7 +133,7 @@ def write_joint_table(
     result: Evaluation, path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS, *, load: Any = None, mu0: Any = None,
     tau0: Any = None, closure_from: Any = None,
 ) -> None:  # fmt: skip
-    """Write the joint tables of a result for all or given mu0 and tau0, or a card for one mu0 and tau0, to a new file.
+    """Write joint tables to a new file, one for each mu0 and tau0, or one table as an input card for another program.
 
     `load` contains the loads, by default all, and `closure_from` is the load from which the closure is counted, by
     default 0 (first contact). Raises a `ValueError` as `write_result` does, if the result has no joint table, or if
@@ -162,7 +162,7 @@ def write_joint_table(
 def choose_joint_parameters(
     result: Evaluation, path: Path, mu0: Any = None, tau0: Any = None
 ) -> tuple[list[float], list[float]]:
-    """Return the mu0 and the tau0 (GPa) of a joint file: the given values or, by default, the values of the study.
+    """Return the mu0 and tau0 (GPa) to write to a joint file: the given ones or, by default, all of the study.
 
     Raises a `ValueError` if a card would have several mu0 or tau0.
     """
@@ -187,7 +187,7 @@ SHEAR_PARAMETER_FORMATS = {".csv": ("a table", shear_parameters_csv), ".json": (
 
 
 def write_shear_parameters(test: xarray.Dataset, path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> None:
-    """Write the joint-model parameters of a shear test to a new file in one of `SHEAR_PARAMETER_FORMATS`.
+    """Write the parameters of joint models, from a shear test, to a new file in a format of `SHEAR_PARAMETER_FORMATS`.
 
     Raises a `ValueError` as `write_result` does.
     """
@@ -198,7 +198,7 @@ def write_shear_parameters(test: xarray.Dataset, path: Path, units: UnitSystem =
 
 
 def check_joint_file(path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> None:
-    """Check the file name and the units of a joint table before the table is computed.
+    """Check the file name and the units for a joint table; this happens before the table is computed.
 
     Raises the same errors as `write_joint_table`.
     """
@@ -213,7 +213,7 @@ def is_card(path: Path) -> bool:
 
 
 def check_file_extension(path: Path, descriptions: Mapping[str, str]) -> None:
-    """Raise a `ValueError` if a file name does not end in one of the extensions that are keys of `descriptions`."""
+    """Raise a `ValueError` if a file name ends in none of the extensions that `descriptions` lists."""
     if path.suffix.lower() not in descriptions:
         allowed_extensions = " or ".join(f"{extension} ({text})" for extension, text in descriptions.items())
         raise ValueError(f"{printable_path(path)}: the file name must end in {allowed_extensions}")

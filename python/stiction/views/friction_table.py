@@ -39,7 +39,7 @@ _LAW_QUANTITIES = (*_LAW_PARAMETERS, "area_deviation", "stiffness_deviation")
 
 
 def friction_table_csv(table: xarray.Dataset) -> str:
-    """Return the dataset of `friction_table` as CSV with units, and one row per combination of inputs.
+    """Return the dataset of `friction_table` as CSV: columns with units, and one row per combination of inputs.
 
     Tables that an earlier version computed have no column of assessments.
     """
@@ -48,7 +48,7 @@ def friction_table_csv(table: xarray.Dataset) -> str:
 
 
 def fitted_laws_csv(table: xarray.Dataset) -> str:
-    """Return the fitted laws A/A0 = a p and k/A0 = b p^c (p in GPa) as CSV, one row per Hurst exponent and Sq."""
+    """Return fitted laws A/A0 = a p and k/A0 = b p^c (p in GPa) as CSV: one row for each pair (Hurst exponent, Sq)."""
     return _format_law_table(table[list(_LAW_QUANTITIES)], _COORDINATE_COLUMNS[1:3])
 
 
@@ -76,7 +76,7 @@ def _format_law_table(law_table: xarray.Dataset, columns_by_name: tuple[str, ...
 
 
 def friction_table_text(table: xarray.Dataset, rules: Sequence[str] = SLIDING_RULE_ORDER) -> str:
-    """Return a friction table as text, with one row per roughness: fitted laws, their misfit, range of coefficients."""
+    """Return a friction table as text: one row per roughness, with fitted laws, misfit and range of coefficients."""
     pressure_range = " to ".join(format_with_unit(float(table["pressure"][i]), "GPa") for i in (0, -1))
     laws_text = "A/A0 = a p and k/A0 = b p^c with p in GPa; 95 % intervals over the repetitions"
     lines = [wrap_text(f"Pressures of {pressure_range}; {laws_text}"), ""]
@@ -105,7 +105,7 @@ def friction_table_text(table: xarray.Dataset, rules: Sequence[str] = SLIDING_RU
 
 
 def table_assessment_text(table: xarray.Dataset, summary: Summary) -> str:
-    """Return text on the coefficients in a table: how many have each assessment, and the most frequent remedies.
+    """Return text that counts a table's coefficients by assessment, and states the most frequent remedies.
 
     `summary` contains the caveats about the coefficients in the table. The text is empty if every coefficient may be
     quoted.

@@ -1,4 +1,4 @@
-"""Joint tables as CSV and JSON, and as cards for Abaqus, CalculiX, Ansys and LIGGGHTS."""
+"""Joint tables as CSV, JSON, and input files (cards) for Abaqus, CalculiX, Ansys and LIGGGHTS."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ MODEL_ERRORS = [
 
 
 def closure_start_title(start_pressure: Estimate) -> str:
-    """Return the title of the table column that contains the pressure at which closure is counted as zero."""
+    """Return the title of the table column that states at which pressure closure is 0."""
     return estimate_column_titles("closure counted from", start_pressure.unit)["value"]
 
 
@@ -64,7 +64,7 @@ def closure_start_title(start_pressure: Estimate) -> str:
 
 
 def joint_frame(tables: Sequence[JointTable]) -> pandas.DataFrame:
-    """Return joint tables as a data frame, with one row per pressure, mu0 and tau0, and units in column names."""
+    """Return joint tables as a data frame: one row per pressure, mu0 and tau0, and units in the column names."""
     import pandas
 
     return pandas.concat([_single_joint_frame(table) for table in tables], ignore_index=True)
@@ -98,7 +98,7 @@ def _single_joint_frame(table: JointTable) -> pandas.DataFrame:
 
 
 def joint_csv(tables: Sequence[JointTable]) -> str:
-    """Return the rows of joint tables as CSV, without the notes of the tables."""
+    """Return joint tables as CSV: rows without the notes on the tables."""
     return frame_to_csv(joint_frame(tables))
 
 
@@ -132,7 +132,7 @@ def joint_json(tables: Sequence[JointTable], sources: Sequence[str]) -> str:
 
 
 def _list_notes(tables: Sequence[JointTable]) -> list[str]:
-    """Return the notes of all joint tables; a note that only some tables have starts with their mu0 and tau0."""
+    """Return the notes of all joint tables; mu0 and tau0 precede notes that do not apply to all tables."""
     shared_notes = [note for note in tables[0].notes if all(note in table.notes for table in tables)]
     return shared_notes + [
         f"μ0 = {table.mu0:.4g}, τ0 = {format_with_unit(table.tau0, 'GPa')}: {note}"
@@ -146,7 +146,7 @@ def _list_notes(tables: Sequence[JointTable]) -> list[str]:
 
 
 def abaqus_card(table: JointTable, source: str) -> str:
-    """Return the input card of a surface interaction for Abaqus and CalculiX."""
+    """Return an input card for Abaqus or CalculiX that defines a surface interaction."""
     row = table.reference
     friction, stiffness = row.friction(50), row.estimates["tangential_stiffness_per_area"]
     has_stick_slope = math.isfinite(stiffness.value)
@@ -187,7 +187,7 @@ def abaqus_card(table: JointTable, source: str) -> str:
 
 
 def ansys_card(table: JointTable, source: str) -> str:
-    """Return the input card for Ansys: a gasket material with the closure curve, and pressure-dependent friction."""
+    """Return the input card for Ansys: a gasket material (closure curve), and friction as a function of pressure."""
     reference, curve = table.reference, _list_curve(table)
     stiffness = reference.estimates["tangential_stiffness_per_area"]
     lines = [
@@ -225,7 +225,7 @@ def ansys_card(table: JointTable, source: str) -> str:
 
 
 def liggghts_card(table: JointTable, source: str) -> str:
-    """Return the material properties for LIGGGHTS, at the pressure of `JointTable.reference`."""
+    """Return material properties for LIGGGHTS, taken from a joint table at the pressure `JointTable.reference`."""
     row = table.reference
     stiffnesses = {"kn": row.estimates["closure_stiffness"], "kt": row.estimates["tangential_stiffness_per_area"]}
     lines = [
@@ -250,7 +250,7 @@ def liggghts_card(table: JointTable, source: str) -> str:
 
 
 def _list_curve(table: JointTable) -> list[tuple[Estimate, Estimate]]:
-    """Return the closure curve for another program's input card: pairs (pressure, closure) without the origin.
+    """Return the curve for an input card, as pairs (pressure, closure); the pair (0, 0) is left out.
 
     Other programs require increasing closures. If the closure is counted from a pressure, a straight line leads from
     the origin to this pressure, so that the curve has no soft start. The closures of the curve then exceed those of the
@@ -271,7 +271,7 @@ def _list_curve(table: JointTable) -> list[tuple[Estimate, Estimate]]:
 
 
 def _find_start_closure(table: JointTable) -> float:
-    """Return the closure at the end of the straight line that starts an input card's curve, or 0 if there is no line.
+    """Return the closure up to which an input card's curve starts as a straight line, or 0 if it does not.
 
     The line ends at the pressure from which closure is counted, and has the closure stiffness at this pressure. The
     result is 0 if closure is counted from first contact.
@@ -281,7 +281,7 @@ def _find_start_closure(table: JointTable) -> float:
 
 
 def _describe_curve_start(table: JointTable) -> str:
-    """Return a sentence on the shape of a card's curve between the origin and the first pressure."""
+    """Return a sentence on an input card's closure curve below the first pressure: where it is a straight line."""
     start_closure = _find_start_closure(table)
     if start_closure == 0:
         return "Below the first pressure the curve is a straight line."
@@ -313,7 +313,7 @@ def _format_comment(text: str, prefix: str) -> list[str]:
 
 
 def _describe_source(table: JointTable, source: str, prefix: str, omitted: Collection[str] = ()) -> list[str]:
-    """Return comment lines for the head of an input card: version, units, notes of the joint table, and pair.
+    """Return the first comment lines of an input card: version, units, notes of the joint table, and pair.
 
     Notes in `omitted` are left out.
     """
@@ -338,7 +338,7 @@ More estimates would exceed the line limit of Abaqus (256 characters).
 
 
 def _comment_table(table: JointTable, prefix: str, given: Collection[str] = ()) -> list[str]:
-    """Return the main columns of a joint table, with intervals, as comment lines of an input card.
+    """Return the main columns of a joint table, and intervals, as comment lines for an input card.
 
     The card itself contains the estimates named in `given`, so only their intervals are listed. The interval of a
     closure belongs to the closure in the card, and is empty for pressures that the card does not contain.

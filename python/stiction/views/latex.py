@@ -32,7 +32,7 @@ _SYMBOL_PATTERN = re.compile("|".join(map(re.escape, sorted(_LATEX_SYMBOLS, key=
 
 
 def latex_table(summary: Summary) -> str:
-    r"""Return the reported coefficients of a result as a LaTeX ``table``, with conditions and assessments.
+    r"""Return a LaTeX ``table`` of a result's coefficients, with the conditions and assessment of each coefficient.
 
     The caption contains the conditions that all rows share, with the ranges of the inputs. Comments above the table
     contain the central values of the inputs. Numbers have the same digits as on the terminal. The table requires the
@@ -85,7 +85,7 @@ def latex_table(summary: Summary) -> str:
 
 
 def _caption_text(summary: Summary, points: Sequence[PointSummary], *, has_area: bool) -> str:
-    """Return the table caption: names of the bodies, conditions of all rows, and meaning of the bracketed intervals."""
+    """Return the caption of a table: names of the bodies, conditions that all rows share, and meaning of brackets."""
     version = summary.at.attrs.get("stiction_version")
     intervals_text = next(filter(None, map(covered_inputs_text, points)), "")
     bodies = "" if summary.study.is_measured else " of generated surfaces"
@@ -100,7 +100,7 @@ def _caption_text(summary: Summary, points: Sequence[PointSummary], *, has_area:
 
 
 def _to_latex(text: str) -> str:
-    """Convert text to one line of LaTeX, in which special characters are escaped and symbols are commands."""
+    """Convert text to one line of LaTeX: escape special characters, and replace symbols by LaTeX commands."""
     return _SYMBOL_PATTERN.sub(lambda match: _LATEX_SYMBOLS[match[0]], printable_text(text, sys.maxsize))
 
 

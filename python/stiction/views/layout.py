@@ -39,7 +39,7 @@ class Table:
 
 @dataclass(frozen=True)
 class ShortenedList:
-    """List that is printed in part: the first lines, followed by the number of omitted lines.
+    """List of which only the first lines are printed, followed by the number of omitted lines.
 
     At most `max_shown` lines within `max_height` rows of the terminal are printed, but at least `min_shown` lines.
     There is no limit if `max_shown` or `max_height` is None.

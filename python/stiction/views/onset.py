@@ -36,7 +36,7 @@ def onset_text(onset: OnsetSummary) -> str:
 
 
 def onset_rows(onset: OnsetSummary) -> list[list[str]]:
-    """Return means and intervals of the onset of sliding as rows of a table.
+    """Return table rows on the onset of sliding: sliding load, displacement, stiffness and others, with intervals.
 
     The first row contains the headings.
     """
@@ -77,7 +77,7 @@ def onset_note(onset: OnsetSummary, study: Study) -> str:
 
 
 def _law_text(study: Study) -> str:
-    """Return a sentence on the stiffness in the onset computation if the contact law is not Hertzian, or "".
+    """Return a sentence on which stiffness the onset computation uses, or "" if the contact law is Hertzian.
 
     This stiffness is that of elastic Hertzian contacts under every contact law.
     """
@@ -93,7 +93,7 @@ def _law_text(study: Study) -> str:
 
 
 def onset_paragraph(onset: OnsetSummary, study: Study, *, verbose: bool) -> Paragraph:
-    """Return the sentence on the onset of sliding and, if `verbose`, the note and the table."""
+    """Return a paragraph on the onset of sliding: a sentence and, if `verbose`, a note and a table."""
     if not verbose:
         is_reported_rule = list_rules_with_reported_first(study)[0] == "all"
         rule_text = "" if is_reported_rule else " These values assume friction at all contacts."

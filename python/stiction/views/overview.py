@@ -57,7 +57,7 @@ MAX_OVERVIEW_ROWS = 40
 
 
 def _select_overview_points(points: Sequence[PointSummary]) -> Sequence[PointSummary]:
-    """Return the result points that the overview lists: all points, or a selection if there are many.
+    """Return the result points to list in the overview: all or, if there are too many, some mu0 and tau0 only.
 
     The selection has the middle mu0, and the lowest and the highest tau0.
     """
@@ -93,7 +93,7 @@ def _overview_table(points: Sequence[PointSummary], rule: str, varying_names: Se
 
 
 def _omission_text(printed_points: Sequence[PointSummary], points: Sequence[PointSummary], study: Study) -> str:
-    """Return a sentence on the omitted coefficients and the command that prints them.
+    """Return a sentence that states which coefficients are omitted, and which command prints them.
 
     Returns "" if no coefficients are omitted.
     """

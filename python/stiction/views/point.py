@@ -1,4 +1,4 @@
-"""Texts about a result point: sliding rules, materials, load and directions."""
+"""Texts about one result point (one load, mu0 and tau0): sliding rule, materials, load and directions."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ CONTRIBUTION_LABELS = {
 
 
 def sliding_rule_text(point: PointSummary, rule: str) -> str:
-    """Return a phrase on a sliding rule, with a remark if mu0 and tau0 were calibrated under the other rule."""
+    """Return a phrase on a sliding rule; it adds a remark if mu0 and tau0 were not calibrated under this rule."""
     text = SLIDING_RULE_DESCRIPTIONS[rule]
     if point.calibrated_rule in (None, rule):
         return text
@@ -103,7 +103,7 @@ def point_load_text(point: PointSummary) -> str:
 
 
 def coefficient_text(point: PointSummary, coefficient: SlidingRuleCoefficient) -> str:
-    """Return the coefficient at a result point with its interval as text, or the reason why it is missing.
+    """Return text on a result point: the coefficient with its interval, or the reason why there is no coefficient.
 
     The text starts with "≥" if the coefficient is only a lower limit.
     """

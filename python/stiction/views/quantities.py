@@ -31,7 +31,7 @@ _VERBOSE_QUANTILES = (("patch_area", 0.5), ("patch_area", 0.9), ("pressure", 0.5
 
 @dataclass(frozen=True)
 class QuantityRow:
-    """Quantity at several result points, as one row of a table, in core units."""
+    """One table row with the estimates of a quantity at several result points, in µm, mN and GPa."""
 
     name: str
     label: str
@@ -42,7 +42,7 @@ class QuantityRow:
 
 
 def quantities_paragraph(points: Sequence[PointSummary], *, verbose: bool = False, cell: str = "") -> Paragraph:
-    """Return all quantities of result points with 95 % intervals, as a sentence (one point) or as a table.
+    """Return all quantities with 95 % intervals: as a sentence for one result point, as a table for several.
 
     A single result point gives a sentence or, if `verbose` is True or the surfaces are generated, a table with one row
     per quantity. Several points give a table with one row per point. `cell` starts the heading of the first column.
@@ -111,18 +111,18 @@ def _list_printed_quantities(point: PointSummary, *, verbose: bool, is_sentence:
 
 
 def percent_text(fraction: float) -> str:
-    """Return a fraction as a percentage with three significant digits, as in "10.9 %"; "none" for NaN."""
+    """Return a fraction as a percentage with three significant digits, such as "10.9 %", or "none" for NaN."""
     return "none" if math.isnan(fraction) else f"{format_significant(100 * fraction, 3)} %"
 
 
 def _find_quantile(point: PointSummary, name: str, fraction: float) -> Estimate:
-    """Return the quantile of a distribution at the stored probability that is closest to `fraction`."""
+    """Return a quantile of a stored distribution; of the stored probabilities, the closest to `fraction` is used."""
     quantiles = point.distributions[name]
     return quantiles[min(quantiles, key=lambda fraction_below: abs(fraction_below - fraction))]
 
 
 def quantity_label(name: str, study: Study) -> str:
-    """Return the label of a quantity in the output of a study.
+    """Return the label of a quantity in printed tables of a study's results.
 
     Quantities of the onset of sliding are labelled with mu0 and tau0.
     """
@@ -138,7 +138,7 @@ def quantity_label(name: str, study: Study) -> str:
 
 
 def _format_row(row: QuantityRow, *, is_sentence: bool) -> list[str]:
-    """Return label, unit and numbers of a table row as texts, in a prefixed unit that suits the size of the numbers.
+    """Return a table row as texts (label, unit, numbers), with a unit prefix that suits the size of the numbers.
 
     A missing interval is stated only in tables.
     """

@@ -1,4 +1,4 @@
-"""Effect of the scan resolution on friction as text and JSON: cutoffs, plastic limit and extrapolation."""
+"""Text and JSON on how scan resolution affects friction, with results at cutoffs, plastic limit and extrapolation."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None, study: Study) -> list[Paragraph]:
-    """Return paragraphs on resolved wavelengths, friction at each cutoff, and wavelengths below which contacts yield.
+    """Return paragraphs on resolved wavelengths, on friction at several cutoffs, and on the onset of yield.
 
     The last paragraph is returned only if no hardness is given.
     """
@@ -39,7 +39,7 @@ def resolution_paragraphs(resolution: ResolutionEffect, hardness: float | None, 
 
 
 def resolved_wavelengths_text(scan: ResolvedRoughness) -> str:
-    """Return a sentence on the resolved wavelengths, and on the shortest octave's fraction of the mean square slope."""
+    """Return a sentence on resolved wavelengths, and on what the shortest octave adds to the mean square slope."""
     fraction = format_percent(scan.shortest_octave_fraction)
     return (
         f"Wavelengths from {format_with_unit(scan.shortest, 'um')} to {format_with_unit(scan.longest, 'um')}; "
@@ -85,7 +85,7 @@ def _coefficient_text(value: float) -> str:
 
 
 def cut_off_note(resolution: ResolutionEffect, study: Study) -> str:
-    """Return the note on a table of friction at cutoffs: number of averaged results, meaning of the plastic limit."""
+    """Return a note on a table of friction at cutoffs: number of surface pairs, meaning of the plastic limit."""
     count_text = study.member_names.with_count(resolution.members)
     text = f"The surfaces are low-pass filtered at the cutoff; means over {count_text}."
     if resolution.plastic_limit is not None:
@@ -100,7 +100,7 @@ def cut_off_note(resolution: ResolutionEffect, study: Study) -> str:
 
 
 def yield_wavelength_rows(estimates: Sequence[YieldWavelengthEstimate], scan: ResolvedRoughness) -> TextRows:
-    """Return a table of the wavelengths below which contacts yield, with one row per hardness.
+    """Return a table with one row per hardness: the wavelength below which contacts of this hardness yield.
 
     Returns an empty list without estimates.
     """

@@ -75,7 +75,7 @@ _DIRECTION_LABEL_FORMATTERS = {"axis": "along {:g}".format, "direction": "{:g}".
 
 
 def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
-    """Return a data frame with one row per number in a dataset, with name, interval, status and coordinates.
+    """Return a data frame with one row for each number in a dataset: name, number, interval, status, coordinates.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
 
 
 def _quantity_rows(dataset: xarray.Dataset, name: str) -> pandas.DataFrame:
-    """Return a data frame of one quantity, with one row per combination of its coordinates."""
+    """Return a data frame of one quantity, with one row for each combination of coordinates on which it depends."""
     import pandas
 
     return pandas.DataFrame(_quantity_columns(dataset, name))
@@ -120,7 +120,7 @@ def _quantity_columns(dataset: xarray.Dataset, name: str) -> dict[str, Any]:
     shape = tuple(dataset.sizes[dim] for dim in dims)
 
     def broadcast_to_rows(variable: xarray.Variable) -> Any:
-        """Broadcast a variable to all rows of the data frame, and return a flat array."""
+        """Repeat a variable's values so that each row of the data frame has a value, and return a flat array."""
         values = variable.transpose(*(dim for dim in dims if dim in variable.dims)).values
         slices = tuple(slice(None) if dim in variable.dims else None for dim in dims)
         return np.broadcast_to(values[slices], shape).ravel()
@@ -158,7 +158,7 @@ def _quantity_columns(dataset: xarray.Dataset, name: str) -> dict[str, Any]:
 
 
 def summary_table(summary: Summary) -> pandas.DataFrame:
-    """Return a table of coefficients with one row per result point, sliding rule and motion.
+    """Return a table of coefficients, with one row for each combination of result point, sliding rule and motion.
 
     The column titles contain the units. Each row has the coefficient of static friction for its motion (all directions,
     an axis or a direction), the quantities at its load, and the assessment and caveats. The combined interval exists
@@ -215,7 +215,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
 def _merge_quantities(
     table: pandas.DataFrame, dataset: xarray.Dataset, study: Study, keys: Sequence[str]
 ) -> pandas.DataFrame:
-    """Add columns to a table of coefficients: all quantities that the CSV file contains, with their interval limits.
+    """Add to a table of coefficients the columns of all other quantities in a CSV file, and their interval limits.
 
     `keys` are the columns that identify the rows of a quantity, if the quantity depends on them. Quantities with the
     same rows are added in one step, because each step takes several milliseconds.
@@ -256,7 +256,7 @@ def _csv_quantities(dataset: xarray.Dataset) -> list[str]:
 
 
 def _build_coefficient_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return columns by title: friction coefficient after each dwell time, and contribution of roughness to friction.
+    """Return a dictionary of columns: friction coefficient after each dwell time, and contribution of roughness.
 
     Each column has one number per result point and sliding rule, which is NaN for all rules except the reported rule.
     """
@@ -300,7 +300,7 @@ def _assessment_table(
 
 
 def _list_assumptions_in_file(point: PointSummary) -> list[str]:
-    """Return the assumptions at a result point for an output file.
+    """Return the assumptions to write to an output file for a result point.
 
     If mu0 and tau0 are not known separately, a note on them is added.
     """
@@ -308,7 +308,7 @@ def _list_assumptions_in_file(point: PointSummary) -> list[str]:
 
 
 def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[float]]:
-    """Return two columns: longest cutoff (µm) among the upper body's scans, and among the lower body's scans.
+    """Return two columns: the longest cutoff (µm) of the upper body's scans, and that of the lower body's scans.
 
     Returns no columns if both bodies have equal cutoffs at every result point.
     """
@@ -325,7 +325,7 @@ def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[floa
 
 
 def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
-    """Return the JSON record of a command with result points, caveats, cutoff study and onset of sliding."""
+    """Return as JSON what a command prints on a summary: result points, caveats, cutoffs and onset of sliding."""
     if summary.no_points_reason:
         return record_json(command, [], **fields, remark=summary.no_points_reason)
     dataset, study = summary.at, summary.study
@@ -342,7 +342,7 @@ def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
 
 
 def value_records(rows: pandas.DataFrame) -> list[dict[str, Any]]:
-    """Convert the rows of a data frame to records for the field `values` of a JSON record."""
+    """Convert the rows of a data frame to the list of objects in the field `values` of a JSON output."""
     estimate_records = []
     for row in rows.to_dict("records"):
         selected_values = {name: row.pop(name) for name in _VALUE_COLUMNS}
@@ -412,5 +412,5 @@ def _rate_and_state_record(point: PointSummary) -> dict[str, Any] | None:
 
 
 def _build_body_fields(values: Iterable[Any]) -> dict[str, Any]:
-    """Return a property of both bodies as the JSON fields "upper_body" and "lower_body"."""
+    """Return two properties, one of each body, as the JSON fields "upper_body" and "lower_body"."""
     return {f"{side}_body": value for side, value in zip(SIDES, values, strict=True)}

@@ -1,4 +1,4 @@
-"""Joined spectrum of several scans, and noise of two repeated scans, as text, JSON and figure."""
+"""Text, JSON and figure of the joined spectrum of several scans, and of the noise of two repeated scans."""
 
 from __future__ import annotations
 
@@ -197,7 +197,7 @@ def _draw_pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
 
 
 def repeated_scans_text(comparison: RepeatedScans, caveats: Sequence[Caveat] = ()) -> str:
-    """Return the comparison of two scans as text: noise in each octave, shift, noise cutoff, and caveats."""
+    """Return the comparison of two scans as text: noise in each octave, shift, cutoff against noise, and caveats."""
     rows = [["wavelengths", "in both", "noise of one scan", "noise fraction of the mean square"]]
     for wavelength, common_height, noise_height in np.transpose(
         [comparison.wavelength, comparison.common, comparison.noise]
@@ -224,7 +224,7 @@ def repeated_scans_text(comparison: RepeatedScans, caveats: Sequence[Caveat] = (
 
 
 def describe_mean_scan_noise(comparison: RepeatedScans) -> str:
-    """Return a sentence on the noise in the slope of the mean scan, and on the cutoff that limits this noise."""
+    """Return a sentence on noise in the slope of the mean of both scans, and on a cutoff that limits the noise."""
     if math.isnan(comparison.limit):
         return "At any cutoff, more than a tenth of the mean square slope of the mean scan is noise."
     if comparison.slope_fraction <= MAX_NEGLIGIBLE_NOISE_FRACTION:

@@ -1,4 +1,4 @@
-"""Sentences on a result: the sentence to quote, its clauses, and details of one result point."""
+"""Sentences on a result: a sentence to quote with its clauses, and sentences with details of a result point."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ MIN_STATED_KAPPA_DEVIATION = 0.2
 
 
 def finer_scan_text(point: PointSummary) -> str:
-    """Return a clause on the coefficient that finer scans would give.
+    """Return a clause on the range in which the coefficient of finer scans would lie.
 
     Returns "" if it is unknown.
     """
@@ -96,7 +96,7 @@ def quotable_sentences(summary: Summary) -> list[str]:
 
 
 def covered_inputs_text(point: PointSummary) -> str:
-    """Return a clause on the sources of uncertainty that the 95 % interval covers.
+    """Return a clause that lists the sources of uncertainty in the 95 % interval of a coefficient.
 
     Returns "" without an interval.
     """
@@ -109,7 +109,7 @@ def covered_inputs_text(point: PointSummary) -> str:
 
 
 def point_assessment_text(point: PointSummary) -> str:
-    """Return text on a result point: assessment, caveats and, if known, the version of stiction that computed it."""
+    """Return text on a result point: its assessment, its caveats and, if known, the version of stiction used."""
     caveats = "; ".join(caveat.text for caveat in point.caveats)
     text = f"assessment: {point.assessment}" + (f" ({caveats})" if caveats else "")
     version = point.values.attrs.get("stiction_version")
@@ -172,7 +172,7 @@ def inputs_text(point: PointSummary, points: Sequence[PointSummary] = ()) -> str
 
 
 def junction_growth_text(growth: UncertainInput) -> str:
-    """Return a phrase on the junction growth of contacts: none, by slip-line theory, or with the factor α."""
+    """Return a phrase on junction growth: no growth, growth by slip-line theory, or growth with the factor α."""
     if growth.is_exact and growth.value == 0:
         return "no junction growth"
     if not growth.uses_slip_lines:
@@ -182,7 +182,7 @@ def junction_growth_text(growth: UncertainInput) -> str:
 
 
 def contact_hardness_text(points: Sequence[PointSummary], indent: float) -> str:
-    """Return a phrase with the depth `indent` (µm) at which hardness was measured, and the hardness in the contacts.
+    """Return a phrase on the hardness measured at the depth `indent` (µm), and on the hardness in the contacts.
 
     The hardness increases with decreasing load. For several result points, the text has the range of the hardness, and
     the interval encloses the intervals of all points.
@@ -204,13 +204,13 @@ def area_loss_text(study: Study, loss: UncertainInput) -> str:
 
 
 def input_range_text(point: PointSummary, name: str) -> str:
-    """Return the range of mu0 or tau0 in brackets; "" if the input is exact, or if the point has another value."""
+    """Return the range of mu0 or tau0 in brackets, or "" if the study has no range for this mu0 or tau0."""
     range_text = find_covered_range(point, name)
     return f" ({range_text})" if range_text else ""
 
 
 def find_covered_range(point: PointSummary, name: str) -> str:
-    """Return the range of mu0 or tau0 that the interval of a point covers; "" if mu0 or tau0 is exact.
+    """Return the range of mu0 or tau0 that a result point's interval covers, or "" if there is no such range.
 
     The range of the study applies only to its central value. Any other value is exact.
     """
@@ -235,7 +235,7 @@ def _interface_text(point: PointSummary) -> str:
 
 
 def strength_note(point: PointSummary) -> str:
-    """Return a note if the tests determine only a combination of mu0 and tau0, or "" if both are known separately.
+    """Return a note if friction tests determine mu0 and tau0 only in combination; "" if they separate them.
 
     The note is for files with numbers for mu0 and tau0, which are then one of many possible pairs.
     """
@@ -256,7 +256,7 @@ def possible_zeros_text(interface: InterfaceStrength, conjunction: str) -> str:
 
 
 def _hardness_range_text(study: Study) -> str:
-    """Return the range of the hardness in brackets, or "" if the hardness is exact or not given."""
+    """Return the range of the hardness in brackets, or "" if the hardness has no range."""
     hardness_input = Inputs.from_study(study).uncertain.get("hardness")
     if hardness_input is None:
         return ""
@@ -276,7 +276,7 @@ _LOAD_DEFINITION_TEXTS = {
 
 
 def result_point_note(point: PointSummary) -> str:
-    """Return a note on a result point: averaged directions and members, number of scans, definition of the load."""
+    """Return a note on a result point: averages over directions and surface pairs, scan counts, load definition."""
     study, items = point.study, []
     if study.surfaces.press == "lines" and len(point.directions) == 2:
         items.append("the mean over both directions")
@@ -311,7 +311,7 @@ def shared_conditions_text(points: Sequence[PointSummary]) -> str:
 
 
 def _varying_ranges_note(points: Sequence[PointSummary]) -> str:
-    """Return a note on mu0 or tau0 if its range applies to one of several values, and the other values are exact."""
+    """Return a note if the range of mu0 (or tau0) applies to only one of several values of mu0 (or tau0)."""
     notes = []
     for name, symbol in (("mu0", "μ0"), ("tau0", "τ0")):
         texts = {point.at[name]: input_range_text(point, name) for point in points if point.are_strengths_separated}
@@ -335,7 +335,7 @@ PROFILE_STRIP_TEXT = "a strip 1 µm wide"
 
 
 def lay_assumption(study: Study) -> str:
-    """Return the lay that is assumed for measured profiles or surrogates as text, or "" for other surfaces."""
+    """Return text on the lay that is assumed for measured profiles or for surrogates; "" for other surfaces."""
     if not study.is_measured:
         return ""
     if study.surfaces.press == "lines":
@@ -345,7 +345,7 @@ def lay_assumption(study: Study) -> str:
 
 
 def list_assumptions(study: Study) -> tuple[str, ...]:
-    """Return the assumptions of a study about profiles, contact model and adhesion."""
+    """Return the assumptions of a study on profiles, on the contact model, and on adhesion."""
     if not study.is_measured:
         return ()
     contact = study.contact
@@ -359,7 +359,7 @@ def list_assumptions(study: Study) -> tuple[str, ...]:
 
 
 def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
-    """Return the assumptions that are listed in the sentence with which a result point can be quoted.
+    """Return the assumptions that must be listed where the coefficient of a result point is quoted.
 
     There are none for generated surfaces.
     """
@@ -382,7 +382,7 @@ def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
 
 
 def _scan_count_text(study: Study) -> str:
-    """Return the number of scans of each body as text, with a remark on a body that has a single scan."""
+    """Return text on how many scans each body has, with a remark if a body has a single scan."""
     scan_counts = study.surfaces.scan_counts
     if study.is_gap:
         return "one gap at its only position"
@@ -418,7 +418,7 @@ def small_slope_estimate_text(point: PointSummary) -> str:
 
 
 def point_detail_sentences(point: PointSummary) -> list[str]:
-    """Return sentences on a result point: contributions, a single test, dwell times, finer scans, and inputs."""
+    """Return sentences on a result point: on contributions, single tests, dwell times, finer scans and inputs."""
     sentences = (
         [] if point.is_unloaded else [contributions_text(point), single_test_text(point), dwell_time_text(point)]
     )
@@ -430,7 +430,7 @@ def point_detail_sentences(point: PointSummary) -> list[str]:
 
 
 def _are_finer_scans_relevant(point: PointSummary) -> bool:
-    """Return whether finer scans may change friction by a considerable fraction of the width of its interval."""
+    """Return whether finer scans may change the coefficient by a large fraction of its interval's width."""
     if point.bracket is None:
         return False
     width = max((rule.upper - rule.lower for rule in point.rules if rule.rule == "all"), default=math.nan)
@@ -465,7 +465,7 @@ def contributions_text(point: PointSummary) -> str:
 
 
 def single_test_text(point: PointSummary) -> str:
-    """Return a sentence on the prediction interval of a single test and, if it differs, on the interval of the mean."""
+    """Return a sentence on the prediction interval of single tests, and on the interval of the mean if it differs."""
     estimate = point.rules[0]
     if not math.isfinite(estimate.prediction_interval.lower) or estimate.prediction_interval == estimate.interval:
         return ""
@@ -493,7 +493,7 @@ def dwell_time_text(point: PointSummary) -> str:
 
 
 def rate_and_state_text(point: PointSummary) -> str:
-    """Return a sentence on the parameters b and D_c of rate-and-state friction.
+    """Return a sentence on the rate-and-state friction parameters b (ageing) and D_c (length).
 
     Returns "" if they are unknown.
     """
@@ -507,5 +507,5 @@ def rate_and_state_text(point: PointSummary) -> str:
 
 
 def no_values_text(summary: Summary) -> str:
-    """Return a text that states why a result contains no coefficient."""
+    """Return text with the reason why there is no coefficient in a result."""
     return f"μ_s  none: {summary.no_points_reason}"

@@ -89,7 +89,7 @@ def curve_estimate(test: xarray.Dataset, name: str, index: int) -> Estimate:
 
 
 def _read_variable(test: xarray.Dataset, name: str, dimension: str, index: int) -> Estimate:
-    """Return one element of a variable in the dataset of a shear test, as an estimate with its interval."""
+    """Return an element of a shear test's dataset as an estimate, with its interval if the dataset has one."""
     value, limits = float(test[name][index]), [math.nan, math.nan]
     if f"{name}_interval" in test:
         limits = test[f"{name}_interval"].isel({dimension: index}).values.tolist()
@@ -100,7 +100,7 @@ def _read_variable(test: xarray.Dataset, name: str, dimension: str, index: int) 
 
 
 def headline_estimates(test: xarray.Dataset) -> dict[str, Estimate]:
-    """Return peak and final friction coefficient of a shear test, and displacement, dilation and stress at the peak."""
+    """Return a shear test's coefficients at the peak and at the end, and other quantities at the peak."""
     attributes = test.attrs
     return {
         name: Estimate(
@@ -119,7 +119,7 @@ def headline_estimates(test: xarray.Dataset) -> dict[str, Estimate]:
 
 
 def shear_values(test: xarray.Dataset) -> list[dict[str, Any]]:
-    """Return the results of a shear test as JSON fields: peak, end, and all quantities at each displacement.
+    """Return results of a shear test as JSON fields: at the peak, at the end, and at each displacement.
 
     The last fields are closure and stiffness of closure at each normal stress at the start.
     """
@@ -245,7 +245,7 @@ _INTERVAL_LABELS = {
 
 
 def _list_interval_caveats(test: xarray.Dataset) -> list[str]:
-    """Return a list with a caveat if interval limits are infinite or missing, as a contact has no finite solution."""
+    """Return a caveat in a list if some interval limits are infinite or missing because no solution exists."""
     open_texts = []
     for name, (label, points) in _INTERVAL_LABELS.items():
         if f"{name}_interval" not in test:
@@ -265,7 +265,7 @@ def _list_interval_caveats(test: xarray.Dataset) -> list[str]:
 
 
 def _list_fit_caveats(attributes: Mapping[Any, Any]) -> list[str]:
-    """Return a list with a caveat if the slopes of two faces agree poorly, or if the gap is too large to be noise."""
+    """Return a caveat in a list if two faces fit poorly: in slope, or with a gap that noise cannot explain."""
     correlation, is_registered = float(attributes["fit_correlation"]), "registration_rms_gap_um" in attributes
     if correlation < MIN_FIT_CORRELATION:
         if not is_registered:
@@ -290,7 +290,7 @@ def _list_fit_caveats(attributes: Mapping[Any, Any]) -> list[str]:
 
 
 def shear_text(test: xarray.Dataset, *, verbose: bool = False) -> str:
-    """Return a shear test as text: peak, end, caveats, and a table of quantities over the displacement."""
+    """Return a shear test as text: results at the peak and at the end, caveats, and a table by displacement."""
     lines = [wrap_text(line, hanging_indent="  ") for line in headline_lines(test)]
     lines += ["", format_table(curve_rows(test, _select_rows(test, verbose=verbose)))]
     caveats = list_caveats(test)
@@ -300,7 +300,7 @@ def shear_text(test: xarray.Dataset, *, verbose: bool = False) -> str:
 
 
 def headline_lines(test: xarray.Dataset) -> list[str]:
-    """Return lines that summarize a shear test: peak, end, intervals, lower face, closure, and registration."""
+    """Return lines on a shear test: its peak, its end, sources of uncertainty, lower face, closure, registration."""
     estimates, end = headline_estimates(test), float(test["displacement"][-1])
     lines = []
     if estimates["peak_friction_coefficient"].status == STATUS_OK:
@@ -334,7 +334,7 @@ def headline_lines(test: xarray.Dataset) -> list[str]:
 
 
 def _find_shear_strength(test: xarray.Dataset) -> int:
-    """Return the index of the displacement at which the shear stress is largest; this stress is the shear strength.
+    """Return the index of the displacement at which the shear stress has its maximum, the shear strength.
 
     At a variable normal stress, the friction coefficient may be largest at another displacement.
     """
@@ -356,7 +356,7 @@ def _peak_lines(values: Mapping[str, Estimate]) -> list[str]:
 
 
 def _interval_text(attributes: Mapping[Any, Any]) -> str:
-    """Return a line on the sources of uncertainty that the intervals of a shear test include."""
+    """Return a line that lists the sources of uncertainty in the intervals of a shear test."""
     inputs, strips = str(attributes["uncertain_inputs"]), int(attributes["strips"])
     if not inputs and not strips:
         return "no intervals: the inputs count as exact, and the faces are not sheared in strips"
@@ -446,7 +446,7 @@ def curve_rows(test: xarray.Dataset, indices: Iterable[int]) -> list[list[str]]:
 
 
 def _format_column(test: Any, name: str, largest: float) -> tuple[str, list[str]]:
-    """Return the heading and the numbers of a table column, in the unit that suits the largest number."""
+    """Return the heading and numbers of a table column, in the prefixed unit that suits the largest number."""
     factor, unit = choose_prefixed_unit(largest, test[name].attrs["units"])
     number_texts = [format_significant(value / factor, 3) for value in test[name].values]
     return f"{name.replace('_', ' ')} ({unit})", number_texts
@@ -456,7 +456,7 @@ def _format_column(test: Any, name: str, largest: float) -> tuple[str, list[str]
 
 
 def shear_parameters_csv(test: xarray.Dataset, units: UnitSystem) -> str:
-    """Return, as CSV, the joint-model parameters from a shear test, with one row per normal stress.
+    """Return as CSV the parameters for joint models that follow from a shear test: one row per normal stress.
 
     Closure and stiffness are in all rows. All other parameters are only in the last row, which is at the normal stress
     of the test.
@@ -482,7 +482,7 @@ def shear_parameters_csv(test: xarray.Dataset, units: UnitSystem) -> str:
 
 
 def shear_parameters_json(test: xarray.Dataset, units: UnitSystem) -> str:
-    """Return, as JSON, the joint-model parameters from a shear test, with inputs, units and caveats."""
+    """Return as JSON the parameters for joint models that follow from a shear test, with inputs, units and caveats."""
     parsed_units = JointUnits.parse(units)
     records = [
         estimate.to_record({"normal_stress": row["normal_stress"].value})
@@ -506,7 +506,7 @@ def describe_inputs(test: xarray.Dataset) -> dict[str, Any]:
 
 
 def _list_parameter_rows(test: xarray.Dataset, units: UnitSystem) -> list[dict[str, Estimate]]:
-    """Return the joint-model parameters in a unit system, as one dictionary per normal stress."""
+    """Return the parameters for joint models in a unit system: one dictionary for each normal stress."""
     parsed_units = JointUnits.parse(units)
     rows = [
         {
@@ -520,7 +520,7 @@ def _list_parameter_rows(test: xarray.Dataset, units: UnitSystem) -> list[dict[s
 
 
 def _estimate_parameters(test: xarray.Dataset) -> dict[str, Estimate]:
-    """Return the parameters of a joint model at the normal stress of a shear test (lengths in µm, stresses in GPa)."""
+    """Return the parameters for joint models (µm, GPa) that a shear test gives at its normal stress."""
     values, end, status = headline_estimates(test), test.sizes["displacement"] - 1, str(test.attrs["peak_status"])
     normal_stress = displacement = math.nan
     if status == STATUS_OK:

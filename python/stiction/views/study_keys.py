@@ -89,7 +89,7 @@ _KEY_TABLES: tuple[
 
 
 def list_key_tables() -> list[tuple[str, str, list[KeyTableRow]]]:
-    """Return title, description and rows of each key table.
+    """Return the title, description and rows of each table of study-file keys.
 
     Each key has one row.
     """
@@ -128,7 +128,7 @@ def _models_with_key(
     section_classes: Sequence[type[values.SettingsSection]],
     base_classes: Sequence[type[values.SettingsSectionVariant]],
 ) -> list[str]:
-    """Return descriptions of the study-file sections in which a key is allowed, one per kind of section.
+    """Return descriptions of the kinds of study-file sections that may contain a given key.
 
     If all subclasses of a base class have the key, the description of the base class replaces their descriptions.
     """
@@ -160,7 +160,7 @@ def study_keys_markdown() -> str:
 
 
 def _value_text(default: str, allowed_values: str) -> str:
-    """Return the allowed values and the default of a key as one table cell, which fits on a narrow screen."""
+    """Return one table cell, narrow enough for small screens, with the allowed values and the default of a key."""
     match default:
         case "none":
             return allowed_values
@@ -187,7 +187,7 @@ def study_keys_text() -> str:
 def _key_row(
     key: str, default_value: Any, field_info: Any, section_classes: tuple[Any, ...]
 ) -> tuple[str, str, str, str]:
-    """Return the row of a key in its key table: key, default, allowed values, and meaning.
+    """Return the table row of a study-file key: its name, default, allowed values and meaning.
 
     A key that selects a model class has a single row for all classes.
     """
@@ -219,7 +219,7 @@ def _allowed_values_text(key: str, field_info: Any) -> str:
 
 
 def _accepts_type(annotation: Any, kind: type) -> bool:
-    """Return whether `kind` is a type annotation, or one of the types in this annotation."""
+    """Return whether a type annotation is the type `kind`, or contains this type."""
     return kind in (annotation, get_origin(annotation)) or any(
         _accepts_type(argument, kind) for argument in get_args(annotation)
     )

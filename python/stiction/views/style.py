@@ -101,7 +101,7 @@ def new_figure(height: float, *, width: float = COLUMN_WIDTH, layout: Any = "con
 
 
 def place_axes(figure: Figure) -> None:
-    """Place the axes of a figure with its layout engine, and remove the engine from the figure.
+    """Place the axes of a figure with its layout engine, and then remove this engine from the figure.
 
     Every drawing of a figure repeats the layout of an engine. With an engine, even the placeholder "none", `savefig`
     would also draw the figure twice.
@@ -121,14 +121,14 @@ def axis_label(name: str) -> str:
 
 
 def literal_text(text: str) -> str:
-    """Escape a text from a file or from the user, so that a figure draws "$" and a leading "_" unchanged."""
+    """Escape a text from a file or from the user, so that the figure shows its "$" and leading "_" as they are."""
     escaped_text = printable_text(text, MAX_LITERAL_TEXT_LENGTH).replace("$", r"\$")
     # Matplotlib omits labels that start with "_" from legends.
     return f" {escaped_text}" if escaped_text.startswith("_") else escaped_text
 
 
 def fractal_dimension_colours(dimensions: ArrayLike) -> Floats:
-    """Return a colour for each fractal dimension, from the colour map viridis without yellow."""
+    """Return one colour per fractal dimension, from the colour map viridis except its yellow end."""
     from matplotlib import colormaps
 
     return np.asarray(colormaps["viridis"](np.linspace(0, 0.8, np.size(dimensions))))
@@ -147,7 +147,7 @@ def friction_parameters_text(mu0: float, tau0: float, effective_modulus: float |
 
 
 def interval_bands_text(points: xarray.Dataset, *, combined: bool = False, bands: str = "bands") -> str:
-    """Return the text that explains the bands in a figure: 95 % intervals, either combined or of the mean.
+    """Return the text on the meaning of bands in a figure: 95 % combined intervals, or 95 % intervals of the mean.
 
     `combined` is true for combined intervals, and false for intervals of the mean.
     """
@@ -158,7 +158,7 @@ def interval_bands_text(points: xarray.Dataset, *, combined: bool = False, bands
 
 
 def spread_label_positions(label_positions: ArrayLike, min_distance: float) -> Floats:
-    """Move label positions apart until neighbours have a minimum distance, without changing their order."""
+    """Move label positions apart to a minimum distance between neighbours, and keep their order."""
     target_positions = np.asarray(label_positions, dtype=np.float64)
     ascending_order = np.argsort(target_positions)
     spread_positions = target_positions[ascending_order].copy()

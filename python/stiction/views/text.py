@@ -90,7 +90,7 @@ def result_text(
     max_lines: int | None = None,
     complete_command: str = COMPLETE_OUTPUT_METHOD,
 ) -> str:
-    """Return a result as text for a terminal: friction, assessment and a table.
+    """Return a result as text for a terminal: first friction and its assessment, then a table.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def main_values_text(
 
 
 def combined_intervals_note(point: PointSummary) -> str:
-    """Return a note on the intervals in tables of quantities: which of them include the uncertainty of the inputs."""
+    """Return a note that states which intervals in tables of quantities include the uncertainty of inputs."""
     if "friction_combined" not in point.values:
         return "Intervals in the following tables are 95 % intervals of the mean for exact inputs."
     alternatives = " and alternative preparations of the scans" if point.values.attrs.get("alternatives") else ""
@@ -166,7 +166,7 @@ def _join_paragraphs(*paragraphs: Paragraph) -> str:
 
 
 def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str:
-    """Return the text on the onset of sliding and, if `verbose`, on friction at several cutoffs."""
+    """Return text on the onset of sliding; if `verbose`, it also covers friction at several cutoffs."""
     if not any(math.isfinite(point.value) for point in summary.points):
         return ""
     paragraphs: list[Paragraph] = []
@@ -178,7 +178,7 @@ def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str
 
 
 def preview_text(summary: Summary) -> str:
-    """Return a line with a preview of the coefficient, from the surface pairs that were computed first."""
+    """Return a line with a preliminary coefficient, from the asperity model and the first few surface pairs."""
     point = summary.points[0]
     rule = SLIDING_RULE_DESCRIPTIONS[point.rules[0].rule]
     return f"preliminary, with asperities: μ_s = {Estimate(point.value)}  {rule}"
@@ -203,7 +203,7 @@ def default_friction_parameters_text(study: Study, *, mu0: bool, tau0: bool) -> 
 def interpolation_text(
     neighbours: Mapping[float, tuple[float, float]], points: Sequence[PointSummary], nominal_area: float | None
 ) -> str:
-    """Return one sentence per interpolated load, with the assessments at the computed loads on both sides of the load.
+    """For each interpolated load, return a sentence on the assessments at the next smaller and larger computed load.
 
     `neighbours` contains the two computed loads by interpolated load (mN), and `points` all result points at computed
     loads.
@@ -228,7 +228,7 @@ def interpolation_text(
 def interpolation_records(
     neighbours: Mapping[float, tuple[float, float]], points: Sequence[PointSummary]
 ) -> list[dict[str, Any]]:
-    """Return JSON records of interpolated loads, each with the computed loads on both sides and their assessments."""
+    """For each interpolated load, return a JSON object: the neighbouring computed loads and their assessments."""
     return [
         {
             "load": load,
@@ -248,7 +248,7 @@ def interpolation_records(
 
 
 def _select_printed_points(points: Sequence[PointSummary]) -> Sequence[PointSummary]:
-    """Return at most `MAX_PRINTED_POINTS` result points, which are evenly spaced along each coordinate."""
+    """Select at most `MAX_PRINTED_POINTS` result points; along each coordinate, they are evenly spaced."""
     coordinate_values = {name: list(dict.fromkeys(point.at[name] for point in points)) for name in points[0].at}
     if "hurst_exponent" in coordinate_values:
         coordinate_values.pop("fractal_dimension", None)
@@ -267,7 +267,7 @@ def _select_printed_points(points: Sequence[PointSummary]) -> Sequence[PointSumm
 
 
 def _select_points_of_first_cell(points: Sequence[PointSummary], loads: Collection[float]) -> list[PointSummary]:
-    """Return the result points at the given loads (mN) that share surfaces, mu0 and tau0 with the first point."""
+    """Return result points at given loads (mN) whose surfaces, mu0 and tau0 are those of the first point."""
     first_coordinates = points[0].at.items()
     return sorted(
         (
@@ -281,7 +281,7 @@ def _select_points_of_first_cell(points: Sequence[PointSummary], loads: Collecti
 
 
 def _first_cell_coordinates_text(points: Sequence[PointSummary]) -> str:
-    """Return the coordinates that describe the surfaces of the first result point as text, such as "H = 0.9".
+    """Return as text those coordinates of the first result point that describe its surfaces, such as "H = 0.9".
 
     Returns "" if all points share these coordinates.
     """
@@ -307,7 +307,7 @@ def _assignments_text(point: PointSummary, names: Sequence[str]) -> str:
 
 
 def _pull_off_lines(points: Sequence[PointSummary]) -> list[str]:
-    """Return a list with a sentence on adhesion at zero load.
+    """Return a list with one sentence on the pull-off force and on friction at zero load.
 
     Returns an empty list if the bodies do not adhere.
     """
@@ -319,7 +319,7 @@ def _pull_off_lines(points: Sequence[PointSummary]) -> list[str]:
 
 
 def coefficients_paragraph(points: Sequence[PointSummary]) -> Paragraph:
-    """Return a paragraph of coefficients: for a single result point one line per sliding rule, else a table."""
+    """Return a paragraph on coefficients: a line per sliding rule for one result point, or a table for several."""
     varying_names = sorted(_list_varying_coordinates(points), key=lambda name: name != "hurst_exponent")
     if len(points) == 1:
         (point,) = points
@@ -341,7 +341,7 @@ def coefficients_paragraph(points: Sequence[PointSummary]) -> Paragraph:
 
 
 def _table_coordinate_text(point: PointSummary, name: str) -> str:
-    """Return a coordinate of a result point as text for a table: mu0 and tau0 with the range that intervals cover."""
+    """Return a result point's coordinate as table text; for mu0 and tau0, it includes the range in brackets."""
     if name == "load":
         return point_load_text(point)
     has_range = name in ("mu0", "tau0") and point.are_strengths_separated
@@ -352,7 +352,7 @@ def _table_coordinate_text(point: PointSummary, name: str) -> str:
 
 
 def _direction_paragraphs(point: PointSummary, *, verbose: bool) -> list[Paragraph]:
-    """Return a sentence on grooves and, if `verbose`, tables of coefficients by axis and by direction."""
+    """Return a paragraph on grooves; if `verbose`, add tables of coefficients for each axis and each direction."""
     if not verbose:
         return [grooves_paragraph(point)]
     by_direction = {rule.rule: rule.by_direction for rule in _sort_rules_of_directions(point)}
@@ -363,7 +363,7 @@ def _direction_paragraphs(point: PointSummary, *, verbose: bool) -> list[Paragra
 
 
 def _sort_rules_of_directions(point: PointSummary) -> list[SlidingRuleCoefficient]:
-    """Return the coefficients of a result point, one per sliding rule, in the order of a direction table's columns.
+    """Sort the coefficients of a result point (one per sliding rule) as the columns of a table by direction.
 
     The first column is for the rule "all", unless an interface was fitted under the other rule.
     """
@@ -387,7 +387,7 @@ def grooves_paragraph(point: PointSummary, *, verbose: bool = False) -> Paragrap
 
 
 def _grooves_text(by_axis: Mapping[float, Estimate]) -> str:
-    """Return a sentence on the effect of grooves: the relative difference of friction between axes of motion.
+    """Return a sentence on grooves: the relative difference between coefficients for motion along both axes.
 
     Grooves are reported if the intervals along two axes do not overlap, and if the difference is at least 1 %.
     """
@@ -410,7 +410,7 @@ def _grooves_text(by_axis: Mapping[float, Estimate]) -> str:
 def _coefficients_table(
     coefficients: Mapping[str, Mapping[float, Estimate]], format_coordinate: Callable[[float], str]
 ) -> Paragraph:
-    """Return a table of coefficients with intervals of the mean, with a row per direction and a column per rule."""
+    """Return a table of coefficients with intervals of the mean: rows for directions, columns for sliding rules."""
     rows = [
         [
             format_coordinate(coordinate),
@@ -423,7 +423,7 @@ def _coefficients_table(
 
 
 def _coefficient_cell(estimate: Estimate) -> str:
-    """Return a coefficient with its interval as text, or with the words "no interval"."""
+    """Return text with a coefficient and its interval, or with the words "no interval" if there is none."""
     return str(estimate) if estimate.has_interval or math.isnan(estimate.value) else f"{estimate} no interval"
 
 
@@ -435,7 +435,7 @@ def _axis_label(degrees: float) -> str:
 
 
 def _history_paragraph(point: PointSummary) -> Paragraph:
-    """Return lines with the processing history of each body, and a description of the contact model."""
+    """Return lines on a result: the processing history of each body, and the contact model."""
     dataset, study = point.values, point.study
     descriptions = {
         name: str(dataset.attrs[name]).replace("\n", "; ") for name in ("upper", "lower") if name in dataset.attrs

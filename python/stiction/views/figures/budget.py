@@ -1,4 +1,4 @@
-"""Figures of the contributions to friction, the uncertainty budget, and friction after dwell times."""
+"""Figures: contributions to friction, uncertainty budget, and friction as a function of dwell time."""
 
 from __future__ import annotations
 

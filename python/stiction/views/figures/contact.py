@@ -1,4 +1,4 @@
-"""Figures of contacts: two profiles with contact forces, or all contacts of two measured bodies."""
+"""Figures that show contacts: two profiles with contact forces, or two measured bodies with all contacts."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _MIN_HALF_WIDTH_OF_PROFILE_MAGNIFIER = 60  # grid spacings
 
 
 def contact_forces_figure(forces: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw two profiles in contact, with the forces on the upper profile at the contact with the largest load.
+    """Draw two profiles in contact, and the forces on the upper profile at the contact that carries most load.
 
     `forces` comes from `build_contact_forces`. The heading contains the load and the shift of the upper profile if the
     dataset has them.
@@ -139,7 +139,7 @@ def draw_bodies(axes: Axes, x: Floats, upper: Floats, lower: Floats) -> None:
 
 
 def _make_room_for_arrows(axes: Axes, highest: float) -> float:
-    """Extend the axes upwards for arrows above the highest contact, and return the maximum arrow length (inches)."""
+    """Extend the axes upwards for arrows above the highest contact; return the length limit (inches) of the arrows."""
     figure = axes.get_figure()
     assert figure is not None
     extent_in_inches = axes.get_window_extent().transformed(figure.dpi_scale_trans.inverted())
@@ -205,7 +205,7 @@ _MAX_MARKER_AREA = 60.0  # square points
 def contacts_and_pressure_figure(
     picture: xarray.Dataset, *, direction: float = 0.0, hardness: float | None = None, title: str = ""
 ) -> Figure:
-    """Draw a figure 80 mm wide: all contacts on a map of the lower body, and the pressure in the largest contact.
+    """Draw a figure 80 mm wide: all contacts on a map of the lower body, and pressures in the largest contact.
 
     `picture` comes from `contact_picture`, and `direction` is the direction of motion of the upper body (degrees from
     +x towards +y). The hardness (GPa) is marked on the colour bar of the pressures.
@@ -288,7 +288,7 @@ def draw_zoom_border(axes: Axes, box: tuple[float, float, float, float]) -> None
 
 
 def picture_extent(picture: xarray.Dataset, name: str) -> tuple[float, float, float, float]:
-    """Return the edges (left, right, bottom, top; µm) of the image of a map, from the coordinates of its points."""
+    """Return the edges (left, right, bottom, top; µm) of a map's image, computed from the positions of its points."""
     y, x = (picture[f"{name}_{axis}"].values for axis in "yx")
     return map_extent((y.size, x.size), (float(y[1] - y[0]), float(x[1] - x[0])), (float(y[0]), float(x[0])))
 
@@ -319,7 +319,7 @@ def _draw_pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, ha
 
 
 def contact_map_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Figure:
-    """Draw a figure 80 mm wide: the contacts of two maps or profiles, coloured by their friction.
+    """Draw a figure 80 mm wide: contacts of two maps or profiles, with colours for the friction of each contact.
 
     Three colours mark contacts that oppose the motion, contacts that assist it, and contacts cut by an edge.
     `picture` comes from `contact_picture`, and `direction` is the direction of motion of the upper body (degrees).
@@ -373,7 +373,7 @@ def _draw_contact_map(
 def _draw_profile_contacts(
     panels: Any, picture: xarray.Dataset, colours: NDArray[Any], is_cut: NDArray[np.bool_]
 ) -> None:
-    """Draw two profiles in full length, and a magnified part around the contact with the largest load."""
+    """Draw the full length of two profiles, and enlarge the part around the contact that carries most load."""
     x, lower, gap = (picture[name].values for name in ("height_x", "lower_height", "gap"))
     is_finite = np.isfinite(gap)
     bodies = np.array([lower + np.interp(x, x[is_finite], gap[is_finite]).clip(0), lower]) * 1000
@@ -405,7 +405,7 @@ def _draw_profile_contacts(
 
 
 def _choose_zoom_range(x: Floats, centre_positions: Floats, width: Floats, force: Floats) -> tuple[float, float]:
-    """Return the limits of the magnified part of a profile, around the contact with the largest load."""
+    """Return both ends of the enlarged part of a profile, around the contact that carries most load."""
     zoom_centre = centre_positions[np.argmax(force)]
     distances = np.sort(np.abs(centre_positions - zoom_centre))
     min_half_width = max(_MIN_HALF_WIDTH_OF_PROFILE_MAGNIFIER * (x[1] - x[0]), 4 * float(width.max()))

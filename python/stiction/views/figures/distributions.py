@@ -1,4 +1,4 @@
-"""Figures of distributions: friction over directions and members, contact areas and pressures."""
+"""Figures of distributions: friction by direction and by surface pair, contact areas, and contact pressures."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ MAX_COMPASS_RINGS = 5
 
 
 def friction_by_direction_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure 80 mm wide: friction over the direction of motion, one curve per sliding rule.
+    """Draw a figure 80 mm wide: friction against the direction of motion, with one curve for each sliding rule.
 
     `points` is a dataset of `at_load` at one load, cutoff, mu0 and tau0. A smooth curve connects the directions.
     """
@@ -126,7 +126,7 @@ def _draw_polar_circles(axes: Any, highest: float, degrees: Floats) -> None:
 
 
 def _find_polar_angle_of_labels(degrees: Floats) -> float:
-    """Return the direction (degrees, first quadrant) where circle labels are farthest from data points and spokes."""
+    """Return a direction (degrees, first quadrant) for circle labels, far from data points and from spokes."""
     candidates = np.array([67.5, 75.0, 60.0, 52.5, 22.5, 15.0, 30.0, 37.5])
     occupied_directions = np.concatenate([degrees, np.arange(0, 360, 45)])
     distances = np.abs((candidates[:, np.newaxis] - occupied_directions + 180) % 360 - 180).min(axis=1)
@@ -134,7 +134,7 @@ def _find_polar_angle_of_labels(degrees: Floats) -> float:
 
 
 def friction_by_position_figure(point: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure 80 mm wide: friction of each member (for example each position) in each direction of motion.
+    """Draw a figure 80 mm wide: friction of each surface pair (such as a position) in each direction of motion.
 
     `point` comes from `evaluate_positions`. Members of a single traverse are drawn against the offset, other members in
     ascending order. Directions are not averaged, because a test slides in one direction.
@@ -181,7 +181,7 @@ def friction_by_position_figure(point: xarray.Dataset, *, title: str = "") -> Fi
 
 
 def _has_single_profile_pair(values: xarray.DataArray) -> bool:
-    """Return whether all members are the same pair of profiles at different relative offsets."""
+    """Return whether all surface pairs of a study consist of the same two profiles, shifted along each other."""
     if "x" not in values.coords or "line" not in values.coords:
         return False
     lines, offsets = np.unique(values["line"].values), np.unique(values["x"].values)
@@ -191,7 +191,7 @@ def _has_single_profile_pair(values: xarray.DataArray) -> bool:
 def contact_sizes_figure(
     members: xarray.Dataset, points: xarray.Dataset, *, hardness: float | None = None, title: str = ""
 ) -> Figure:
-    """Draw a figure 80 mm wide: distribution of the contact size, and distribution of pressure over the contact area.
+    """Draw a figure 80 mm wide: distribution of contact sizes, and distribution of pressures (weighted by area).
 
     `members` contains patch_area (µm²) and pressure (GPa) over repetition, load and fraction_below, which are drawn as
     thin lines. `points` contains the means for a single cutoff, as returned by `at_load`. The hardness (GPa) is marked.

@@ -59,7 +59,7 @@ _LUMINANCE_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])  # red, green, blue
 
 
 def heading_lines(points: xarray.Dataset, study: Study) -> list[str]:
-    """Return the heading lines of a figure: contact model, sliding rule, direction, and missing repetitions.
+    """Return the heading of a figure as lines: contact model, sliding rule, direction, missing repetitions.
 
     Model, rule and direction are left out for the model of the paper.
     """
@@ -105,7 +105,7 @@ def create_figure_with_axes_rows(
 
 
 def friction_figure(values: FrictionOverDimension) -> Figure:
-    """Draw friction as charts of fractal dimension and load, and as curves against fractal dimension.
+    """Draw friction in charts over fractal dimension and load, and as curves over fractal dimension.
 
     There is one chart for each tau0, and one row of panels for each amplitude. Cells of a chart are hatched if the
     model is not valid, and grey if the 95 % interval is wide.
@@ -176,7 +176,7 @@ def format_fractal_dimension_axis(axes: Axes, points: xarray.Dataset, *, last: b
 
 
 def find_fraction_beyond_hertz(points: xarray.Dataset, name: str = "friction_coefficient") -> Floats:
-    """Return, at each result point, the fraction of the load that is carried by contacts too deep for Hertz theory.
+    """For each result point, return the fraction of the load on contacts that are pressed too deep for Hertz theory.
 
     The fraction is NaN in the half-space model, which has no asperities.
     """
@@ -235,7 +235,7 @@ def _draw_colour_bar(figure: Figure, position: tuple[float, float, float, float]
 
 
 def _logarithmic_colour_norm(maps: xarray.Dataset) -> Any:
-    """Return a logarithmic colour scale for the friction coefficients at which the asperity model is valid.
+    """Return a logarithmic colour scale that covers the friction coefficients for which the asperity model is valid.
 
     If the model is valid at few coefficients, the scale covers all positive coefficients.
     """
@@ -309,7 +309,7 @@ _INVALID_CELL_STYLE: dict[str, Any] = {"facecolor": "none", "edgecolor": "white"
 
 
 def _compute_cell_fading(friction_with_limits: Floats) -> Floats:
-    """Return how far each chart cell's colour fades to grey: 0 (narrow interval) to `MAX_FADING` (wide interval).
+    """Return how grey each chart cell is drawn: from 0 (narrow interval) to `MAX_FADING` (wide interval).
 
     The width is divided by the coefficient.
     """
@@ -372,7 +372,7 @@ def _compute_cell_edges(centres: Floats) -> Floats:
 
 
 def area_figure(points: xarray.Dataset, study: Study) -> Figure:
-    """Draw true area and area per load against load with 95 % intervals, in one row of panels per amplitude.
+    """Draw true area and area per load against load, with 95 % intervals; each amplitude has a row of panels.
 
     `points` comes from `evaluate_area_over_load`.
     """
@@ -409,7 +409,7 @@ def area_figure(points: xarray.Dataset, study: Study) -> Figure:
 
 
 def _draw_area_curves(axes: list[Axes], areas: xarray.Dataset, *, label_distance: float) -> None:
-    """Draw true area and area per load against load, one curve per fractal dimension, with labels at the left ends."""
+    """Draw true area and area per load against load: one curve per fractal dimension, labelled at its left end."""
     load, dimensions = areas["load"].values, areas["fractal_dimension"].values
     areas = areas.transpose("fractal_dimension", "load", ...)
     area, lower, upper = (areas["contact_area"].sel(statistic=statistic).values for statistic in MEAN_AND_LIMITS)
@@ -459,7 +459,7 @@ def _draw_area_curves(axes: list[Axes], areas: xarray.Dataset, *, label_distance
 
 
 def profiles_figure(profiles: Mapping[float, Profile], study: Study) -> Figure:
-    """Draw profiles of several fractal dimensions: on the left in full length, on the right over one length scale.
+    """Draw profiles of several fractal dimensions: full length on the left, one length scale on the right.
 
     `profiles` comes from `generate_profiles`.
     """
@@ -483,7 +483,7 @@ def profiles_figure(profiles: Mapping[float, Profile], study: Study) -> Figure:
 
 
 def length_scales_figure(bodies: Mapping[float, tuple[Profile, Surface]]) -> Figure:
-    """Draw a generated profile and a generated height map for each length scale, without scaling of the heights.
+    """Draw a generated profile and a generated height map for each length scale (µm).
 
     `bodies` comes from `generate_bodies_by_length_scale`.
     """

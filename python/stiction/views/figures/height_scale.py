@@ -1,4 +1,4 @@
-"""Figure of friction and true contact area of a pair whose heights are multiplied by several factors."""
+"""Figure of a pair's friction and true contact area for several factors by which its heights are multiplied."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from stiction.views.style import (
 
 
 def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure of friction and true contact area against the rms gradient, for a pair with scaled heights.
+    """Draw friction and true contact area of a pair with scaled heights, as functions of its rms gradient.
 
     Parameters
     ----------

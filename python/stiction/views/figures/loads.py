@@ -148,7 +148,7 @@ MIN_EXTRAPOLATED_TO_CUTOFF_RATIO = 1 / 16
 
 
 def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: ResolutionLimits, x: Floats) -> None:
-    """Draw estimates of friction and area for finer scans: plastic limit, extrapolation, and closed-form estimate."""
+    """Draw three estimates of friction and area for finer scans: plastic limit, extrapolation, closed-form estimate."""
     if limits.plastic_limit is not None:
         friction, area_fraction = limits.plastic_limit
         friction_axes.axhline(
@@ -257,7 +257,7 @@ def _friction_and_area_figure(
 
 
 def draw_curve_with_band(axes: Axes, x: Floats, values: xarray.DataArray, colour: str, *, label: str = "") -> Floats:
-    """Draw means as a curve with markers, and their 95 % intervals as a band; return the means."""
+    """Draw mean values as a curve with markers, and their 95 % intervals as a band; return the mean values."""
     mean, lower_limits, upper_limits = (values.sel(statistic=name).values for name in MEAN_AND_LIMITS)
     axes.fill_between(x, lower_limits, upper_limits, color=colour, alpha=0.2, linewidth=0)
     axes.plot(x, mean, "o-", color=colour, linewidth=1, markersize=2, label=label or None)
@@ -291,7 +291,7 @@ def _mark_points_with_missing_coefficients(axes: Axes, points: xarray.Dataset, d
 
 
 def format_log_axis(axis: Any, limits: tuple[float, float] | None = None) -> None:
-    """Label a logarithmic axis with plain numbers, several per decade, or with powers of ten.
+    """Label a logarithmic axis with several plain numbers per decade or, for long axes, with powers of ten.
 
     Axes that span more than `MAX_PLAIN_LABEL_RATIO` are labelled with powers of ten. For a secondary axis, `limits`
     are the limits of its main axis, because a secondary axis has no limits before it is drawn.

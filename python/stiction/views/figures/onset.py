@@ -198,7 +198,7 @@ def _draw_slip_map(axes: Axes, slip: Floats, box: tuple[float, ...], colour_norm
 
 
 def _densest_contact_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, float, float, float]]:
-    """Return the window of a slip map in which contact points are densest: row and column slices, and edges (µm)."""
+    """Return the part of a slip map with most contact points per area: row and column slices, and edges (µm)."""
     is_contact = np.isfinite(onset["slip"].values)
     window_shape = [min(max(length // ZOOM_FACTOR, MIN_ZOOM_SIDE_POINTS), length) for length in is_contact.shape]
     contact_density = is_contact.astype(np.int64)

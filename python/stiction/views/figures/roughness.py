@@ -141,7 +141,7 @@ def _draw_line_spectrum(axes: Axes, line: LineRoughness, axis: str, colour: str)
 
 
 def _format_spectrum_axes(axes: Axes, unit: str, density: Floats | None = None) -> None:
-    """Set scales and limits of the axes of a spectrum, and add a second axis for the wavelength and a legend."""
+    """Format the axes of a drawn spectrum, add a second axis for the wavelength, and add a legend."""
     axes.set(xscale="log", yscale="log", xlabel="wave number $q$ (1/µm)", ylabel=f"density $C$ ({unit})")
     axes.secondary_xaxis("top", functions=(wave_number_to_wavelength, wave_number_to_wavelength)).set_xlabel(
         r"wavelength $\lambda$ (µm)"

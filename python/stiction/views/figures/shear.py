@@ -1,4 +1,4 @@
-"""Figure of a direct shear test: shear stress, dilation, and contacts at the peak."""
+"""Figure of a direct shear test: shear stress and dilation, and the contacts at the peak of the shear stress."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PRESSURE_COLOURS = ListedColormap(mpl.colormaps["inferno"](np.linspace(0, 0.8, 2
 
 
 def shear_figure(test: xarray.Dataset) -> Figure:
-    """Draw a figure 80 mm wide: shear stress and dilation over displacement, and a map of contacts at the peak."""
+    """Draw a figure 80 mm wide: shear stress and dilation against displacement, and contacts at the peak stress."""
     with mpl.rc_context(MATPLOTLIB_STYLE):
         has_contacts = "peak_pressure" in test
         has_map = has_contacts and test["peak_pressure"].ndim == 2

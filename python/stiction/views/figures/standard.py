@@ -108,7 +108,7 @@ def _render_figures_to_files(
 
 
 def _render_figure_to_files(draw_figure: Callable[[], Figure], file_extensions: Sequence[str]) -> list[bytes]:
-    """Draw a figure, and return the bytes of its files, with one file per format."""
+    """Draw a figure and return it as bytes in each file format, such as PNG."""
     with mpl.rc_context(MATPLOTLIB_STYLE):
         figure = draw_figure()
         return [render_figure(figure, file_extension) for file_extension in file_extensions]

@@ -70,7 +70,7 @@ BEYOND_MODEL_TEXT = (
 def common_script_data(
     data: ReportDataOfMeasuredSurfaces | ReportDataOfGeneratedSurfaces, axes: tuple[ParameterAxis, ParameterAxis] | None
 ) -> dict[str, Any]:
-    """Return the data that the scripts of every report need, such as sliders, labels, statuses and limits.
+    """Return data for the scripts that all reports contain: slider values, labels, statuses, limits and others.
 
     `axes` contains the numbers of mu0 and tau0 for the sliders, or is None if no pair is in contact.
     """
@@ -89,14 +89,14 @@ def common_script_data(
 
 
 def _shear_strength_limit(modulus: float) -> dict[str, Any]:
-    """Return the largest plausible tau0 (MPa), and the notice that a report shows if tau0 is larger."""
+    """Return the largest plausible tau0 (MPa), and the text that a report shows if a slider's tau0 exceeds it."""
     ratio = friction.MAX_SHEAR_STRENGTH_RATIO
     text = f"τ0 is above {format_percent(ratio)} of the effective modulus, {format_with_unit(ratio * modulus, 'GPa')}."
     return {"limit": 1000 * ratio * modulus, "text": text}
 
 
 def _slider_settings(axes: tuple[ParameterAxis, ParameterAxis], study: Study) -> dict[str, Any]:
-    """Return slider settings for mu0 and tau0 (MPa): all slider values, the initial value, and the uncertain values."""
+    """Return settings of the sliders for mu0 and tau0 (MPa): values, initial value, and values that have a range."""
     initial_values = (
         study.friction.mu0[0 if study.is_measured else len(study.friction.mu0) // 2],
         float(study.friction.tau0[0]),

@@ -113,7 +113,7 @@ def _value_script_data(values: ReportValuesOfGeneratedSurfaces, study: Study) ->
 
 
 def _create_report_arrays(values: ReportValuesOfGeneratedSurfaces) -> dict[str, ReportArray]:
-    """Return the arrays that the page stores: friction, other quantities, statuses, and assessments."""
+    """Return arrays of a report page: friction, other quantities, statuses and assessments at each result point."""
     arrays: dict[str, ReportArray] = {"friction": EstimateArray(values.estimates["friction"])}
     for panel, estimates in values.estimates.items():
         if panel != "friction":
@@ -133,7 +133,7 @@ def _create_report_arrays(values: ReportValuesOfGeneratedSurfaces) -> dict[str, 
 
 
 def _caveat_number_arrays(values: ReportValuesOfGeneratedSurfaces) -> dict[str, ReportArray]:
-    """Return one array for each number in the text of a caveat, with the number at each result point.
+    """For each number that caveats state, return an array of this number at all result points.
 
     The array is NaN at points without this caveat.
     """
@@ -151,7 +151,7 @@ def _caveat_number_arrays(values: ReportValuesOfGeneratedSurfaces) -> dict[str, 
 
 
 def _contains_number(reason: Caveat | LimitCheck) -> TypeGuard[LimitCheck]:
-    """Return whether a caveat is a failed check whose text contains a number that varies between result points."""
+    """Return whether a caveat is a failed check with a number in its text, which differs between result points."""
     return isinstance(reason, LimitCheck) and "{}" in reason.text
 
 
@@ -166,13 +166,13 @@ def _quantity_record(name: str, study: Study) -> dict[str, Any]:
 
 
 def _relative_half_widths(points: Floats) -> Floats:
-    """Return the relative half width of each interval: half width divided by the absolute value of the mean."""
+    """For each interval, return half its width, divided by the absolute value of the mean."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray((points[..., 2] - points[..., 1]) / (2 * np.abs(points[..., 0])))
 
 
 def _compute_colour_ranges(values: ReportValuesOfGeneratedSurfaces) -> dict[str, tuple[Floats, Floats]]:
-    """Return the limits of the colour scale for each quantity that has positive values.
+    """For each quantity that has positive values, return the limits of the colour scale.
 
     The axes of the arrays are amplitude, rule, motion, mu0 and tau0.
     """
@@ -192,7 +192,7 @@ def _compute_colour_ranges(values: ReportValuesOfGeneratedSurfaces) -> dict[str,
 
 
 def _choose_initial_cell_and_load(values: ReportValuesOfGeneratedSurfaces, study: Study) -> dict[str, int]:
-    """Return the indices of the surface and the load that a page shows first.
+    """Return the indices of the surface and of the load that a report shows when it is opened.
 
     Friction of this surface at this load has the narrowest interval, relative to its mean.
     """

@@ -117,7 +117,7 @@ def _page_script_data(data: ReportDataOfMeasuredSurfaces, values: ReportValuesOf
 
 
 def _rule_note(study: Study) -> str:
-    """Return a sentence on the sliding rule that belongs to the mu0 and tau0 of the study."""
+    """Return a sentence that states which sliding rule applies to the study's mu0 and tau0."""
     if study.friction.interface is None:
         return (
             "If μ0 was measured on smooth surfaces, friction acts at all contacts. "
@@ -162,7 +162,7 @@ def _friction_arrays(values: ReportValuesOfMeasuredSurfaces) -> dict[str, Report
 
 
 def _summary_markup(summary: Summary) -> str:
-    """Return HTML paragraphs on resolved wavelengths, onset of sliding, and pull-off force."""
+    """Return HTML paragraphs on the wavelengths that scans resolve, on the onset of sliding, and on pull-off force."""
     lines = []
     if summary.resolution is not None and summary.resolution.roughness is not None:
         lines.append(resolved_wavelengths_text(summary.resolution.roughness))
@@ -210,7 +210,7 @@ def _history_markup(side: str, history: BodyHistory) -> str:
 
 
 def _list_quantity_tables(study: Study, values: ReportValuesOfMeasuredSurfaces) -> list[QuantityEstimates]:
-    """Return one object with estimates for each quantity in the report, except for friction."""
+    """For each quantity of the report except friction, return an object that contains its estimates."""
     tables = []
     curve_panels = _CURVE_PANELS[study.has_nominal_area].values()
     factors = {curve_panel["of"]: curve_panel["factor"] for curve_panel in curve_panels}
@@ -246,7 +246,7 @@ def _assessment_record(point: PointSummary) -> dict[str, Any]:
 
 
 def _contribution_record(point: PointSummary) -> dict[str, Any] | None:
-    """Return the coefficient with friction at all contacts, its interval, and contributions such as that of slopes.
+    """Return the coefficient if friction acts at all contacts, its interval, and what slopes and others contribute.
 
     Returns None if the coefficient or its contributions are unknown.
     """

@@ -33,7 +33,7 @@ class ReportError(ValueError):
 
 @dataclass(frozen=True)
 class HtmlPage:
-    """HTML page: title, lines below the title, main content, scripts, and version of stiction."""
+    """HTML page: its title, subtitle lines, main content, scripts, and the version of stiction."""
 
     name: str
     head: list[str]
@@ -70,7 +70,7 @@ def read_package_file(name: str) -> str:
 
 
 def script_markup(facts: dict[str, Any], packed_arrays: Mapping[str, str]) -> str:
-    """Return HTML script elements: the page scripts, `facts` as JSON, and the encoded arrays of numbers."""
+    """Return the HTML script elements of a page: scripts, data (`facts`, as JSON), and encoded number arrays."""
     # Without "<", the JSON text contains no tag that would end the script element.
     facts_json = to_json(facts).replace("<", "\\u003c")
     script_template = '<script type="application/octet-stream" id="packed-{}">{}</script>\n'
@@ -85,7 +85,7 @@ MAX_SHOWN_LINE_LENGTH = 400  # characters
 
 
 def escape_html(text: object) -> str:
-    """Escape text for HTML, and return one line of limited length without control characters."""
+    """Convert text to a single line of HTML: escape it, limit its length, and remove control characters."""
     return html.escape(printable_text(str(text), MAX_SHOWN_LINE_LENGTH))
 
 

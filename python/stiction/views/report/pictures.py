@@ -64,7 +64,7 @@ class FigurePanel:
 
 
 def draw_panels(data: ReportDataOfMeasuredSurfaces | ReportDataOfGeneratedSurfaces) -> dict[bool, str]:
-    """Draw the figures of a report, and return a dictionary with the HTML of its panels.
+    """Draw the figures of a report; return the HTML of its main panels and of its other panels.
 
     The key True stands for the main panels, and the key False for all other panels.
     """
@@ -136,7 +136,7 @@ def _list_measured_panels(data: ReportDataOfMeasuredSurfaces) -> list[FigurePane
 
 
 def _contact_panel(picture: xarray.Dataset, direction: float, num_opposing: int) -> FigurePanel:
-    """Return the panel with all contacts of a typical surface pair, for one direction of motion (degrees)."""
+    """Return the panel that shows all contacts of a typical surface pair, for one direction of motion (degrees)."""
     force, is_cut = picture["contact_force"].values, picture["contact_at_edge"].values > 0
     text = (
         f"The position whose true area is nearest to the mean: {format_count(force.size, 'contact')} at "
@@ -201,7 +201,7 @@ def _onset_panels(onset: xarray.Dataset, study: Study, title: str) -> list[Figur
 
 
 def _height_factors_panel(points: xarray.Dataset, scaled_bodies: ScaledBodies, title: str) -> FigurePanel:
-    """Return the panel on friction of a pair with scaled heights, at the first load, mu0 and tau0 of the study."""
+    """Return the panel that shows how scaled heights affect friction, at the first load, mu0 and tau0 of the study."""
     surfaces_text, factors = NAMES_OF_SCALED_SURFACES[scaled_bodies], points["height_scale"].values
     return FigurePanel(
         f"Another finish of {surfaces_text}",
@@ -214,7 +214,7 @@ def _height_factors_panel(points: xarray.Dataset, scaled_bodies: ScaledBodies, t
 
 
 def _adhesion_panel(loading_cycle: xarray.Dataset, title: str) -> FigurePanel:
-    """Return the panel with load over approach for adhesive bodies during loading and unloading."""
+    """Return the panel that shows load against approach of adhesive bodies, during loading and unloading."""
     return FigurePanel(
         "Loading and unloading",
         "Load against approach and true area of a typical pair, pressed together and pulled apart.",

@@ -111,7 +111,7 @@ def report_page(result: Evaluation | xarray.Dataset, *, name: str = "", picture:
 def evaluate_report(
     result: Evaluation | xarray.Dataset, *, name: str = "", picture: xarray.Dataset | None = None
 ) -> Iterator[Callable[[], contextlib.AbstractContextManager[Callable[[], HtmlPage]]]]:
-    """Evaluate a report in a forked process, and yield a function that draws the figures in a second process.
+    """Evaluate a report in one process, and yield a function that draws its figures in another process.
 
     The function returns another context, in which a second process draws the figures. This context yields a function
     that waits for both processes and returns the report. It raises the same errors as `report_page`. If Matplotlib is
@@ -142,7 +142,7 @@ def _collect_data(result: Evaluation, picture: xarray.Dataset | None) -> _AnyRep
 def _draw_report(
     get_data: Callable[[], _AnyReportData], get_content: Callable[[], _ComposedContent]
 ) -> Iterator[Callable[[], HtmlPage]]:
-    """Draw a report's figures in a forked process, and yield a function that waits for them and builds the page."""
+    """Draw a report's figures in a forked process; yield a function that waits for the figures and builds the page."""
     from stiction.views.report.pictures import draw_panels
 
     with evaluate_in_copy(lambda: draw_panels(get_data())) as get_panel_markup:
@@ -153,12 +153,12 @@ def _build_page(
     data: _AnyReportData, panel_markup: Mapping[bool, str], content: ReportContent, facts: dict[str, Any],
     packed_arrays: PackedArrays,
 ) -> HtmlPage:  # fmt: skip
-    """Build the HTML page of a report from its data, panels with figures, texts, script data and encoded arrays."""
+    """Build the HTML page of a report from all its parts: data, panels with figures, texts, scripts and arrays."""
     return _render_page(data, content, panel_markup, script_markup(facts, packed_arrays.texts))
 
 
 def _compose_content(result: Evaluation, get_data: Callable[[], _AnyReportData], name: str) -> _ComposedContent:
-    """Evaluate a result; return the page content, the data of the page scripts, and the encoded arrays."""
+    """Evaluate a result for a report; return the texts of the page, the data for its scripts, and encoded arrays."""
     data = get_data()
     if isinstance(data, ReportDataOfMeasuredSurfaces):
         content = measured_report_content(data, evaluate_measured_values(result), name)
@@ -171,7 +171,7 @@ def _compose_content(result: Evaluation, get_data: Callable[[], _AnyReportData],
 
 
 def _check_can_render(result: Evaluation) -> None:
-    """Raise a `ReportError` if no surface pair has a solution, or if a report would contain too many coefficients."""
+    """Raise a `ReportError` if no surface pair is solved at all loads, or if there are too many coefficients."""
     try:
         study = result.study
     except ValueError as error:
@@ -217,7 +217,7 @@ def _render_page(
 
 
 def _incompleteness_notices(data: ReportData, name: str) -> str:
-    """Return HTML notices on surface pairs that are missing or have no solution.
+    """Return notices, as HTML, on surface pairs that are not computed yet or that have no solution.
 
     Returns "" if all members are solved.
     """

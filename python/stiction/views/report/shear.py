@@ -1,4 +1,4 @@
-"""Report on a direct shear test: peak and final coefficients, caveats, figure, and table over the displacement."""
+"""Report on a direct shear test: coefficients at the peak and at the end, caveats, figure, and table of the path."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def shear_page(test: xarray.Dataset, *, name: str, head: list[str] | None = None
 
 
 def _describe_conditions(test: xarray.Dataset) -> list[str]:
-    """Return the conditions of a shear test in one line: normal stress, interface, hardness, E*, and direction."""
+    """Return one line with the conditions of a shear test: normal stress, interface, hardness, E* and direction."""
     attributes = test.attrs
     conditions = [
         f"normal stress {format_with_unit(float(attributes['normal_stress_GPa']), 'GPa')} on the overlap at the start",

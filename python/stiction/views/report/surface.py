@@ -27,7 +27,7 @@ MAX_SHORTEST_OCTAVE_FRACTION = 0.1
 def surface_page(
     body: Profile | Surface | Characterisation, *, name: str, command: str, reading: str = "", **options: Any
 ) -> HtmlPage:
-    """Return the report on a levelled profile or surface, including the command and the reading options.
+    """Return the report page for a levelled profile or surface; it includes the command and the reading options.
 
     `options` are the options of `characterisation_text`.
     """
@@ -43,7 +43,7 @@ def surface_page(
 
 
 def _interpretation_markup(characterisation: Characterisation) -> str:
-    """Return HTML with the caveats, the small-slope estimate, and the expected effect of a finer scan."""
+    """Return HTML with caveats, with the small-slope estimate, and with the effect that a finer scan would have."""
     caveats_markup = "".join(
         f"<li>{escape_html(f'{caveat.text[0].upper()}{caveat.text[1:]}; {caveat.remedy}.')}</li>"
         for caveat in characterisation.caveats
@@ -83,7 +83,7 @@ def _interpretation_markup(characterisation: Characterisation) -> str:
 
 
 def _table_markup(rows: list[TableRow]) -> str:
-    """Return table rows as HTML; a row without a label continues the row above."""
+    """Return table rows as HTML; the texts of a row without a label are added to the row above."""
     lines: list[tuple[str, list[str]]] = []
     for row in rows:
         label, texts = row.label, row.texts

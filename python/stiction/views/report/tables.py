@@ -1,4 +1,4 @@
-"""Arrays of numbers in a report, and the number of decimals with which the page prints each number."""
+"""Arrays of numbers in a report; for each number, the report also stores how many decimals to print."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _COMPRESSION_LEVEL = 7
 
 
 def encode_doubles(values: ArrayLike, num_leading_bytes: int) -> str:
-    """Encode floating-point numbers as compressed text, ordered by byte: the first bytes of all numbers come first.
+    """Compress floating-point numbers to text; the text stores first the first bytes of all numbers, and so on.
 
     Each number is rounded to `num_leading_bytes` bytes. Bytes at the same position are similar, especially signs and
     exponents, so this order compresses best.
@@ -37,13 +37,13 @@ def encode_doubles(values: ArrayLike, num_leading_bytes: int) -> str:
 
 
 def encode_small_integers(values: NDArray[np.int8]) -> str:
-    """Compress whole numbers from -128 to 127 as one byte each, and encode the result as base64 text."""
+    """Store whole numbers from -128 to 127 in one byte each, compress the bytes, and encode them as base64 text."""
     return base64.b64encode(zlib.compress(values.tobytes(), _COMPRESSION_LEVEL)).decode("ascii")
 
 
 @dataclass(frozen=True, eq=False)
 class EstimateArray:
-    """Array of estimates; the last axis contains value, lower limit and upper limit.
+    """Array of estimates: its last axis has three elements (value, lower limit and upper limit).
 
     A page also stores how many decimals to print, for `digits` (1 or 2) digits of the interval's half width. A number
     without an interval has as many decimals as the estimate in `reference`, whose shape must broadcast. If there are
@@ -57,7 +57,7 @@ class EstimateArray:
     formats: Sequence[NumberFormat] = ()
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return the arrays that a page stores for these estimates: a dictionary with keys such as "decimals"."""
+        """Return a dictionary of arrays that represent the estimates on a page, with keys such as "decimals"."""
         indices = find_format_indices(self.values[..., 0], self.formats) if self.formats else None
         factors = 1.0 if indices is None else np.array([item.factor for item in self.formats])[indices, np.newaxis]
         estimates = np.moveaxis(self.values / factors, -1, 0)
@@ -74,7 +74,7 @@ class EstimateArray:
 
 @dataclass(frozen=True, eq=False)
 class NumberArray:
-    """Array of numbers without intervals; the format of each number depends on the magnitude of the number.
+    """Array of numbers without intervals; the size of a number decides in which format the page prints it.
 
     `formats` are the formats by size, in descending order of `minimum`.
     """
@@ -83,12 +83,12 @@ class NumberArray:
     formats: Sequence[NumberFormat]
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Return a dictionary of two arrays for the page: the numbers, and the indices of their formats."""
+        """Return two arrays for the page, in a dictionary: the numbers, and the index of each number's format."""
         return {"value": self.values, "format": find_format_indices(self.values, self.formats)}
 
 
 def find_format_indices(values: Floats, formats: Sequence[NumberFormat]) -> NDArray[np.int8]:
-    """Return, for each number, the index in `formats` of the format in which `format_number` prints the number."""
+    """For each number, return the index in `formats` of the format that `format_number` selects."""
     sizes = np.where(np.isnan(values) | (values == 0), 1.0, np.abs(values))
     minima = MIN_NUMBER_ROUNDED_TO_ONE * np.array([item.minimum for item in reversed(formats)])
     return (len(minima) - np.searchsorted(minima, sizes, side="right")).astype(np.int8)
@@ -145,14 +145,14 @@ QUANTITY_DIGITS = 2
 
 
 def estimate_with_unit_text(point: Sequence[float], unit: str) -> str:
-    """Return an estimate with its unit as text in the format of the terminal: "12.1 [11.0, 13.3] µm²"."""
+    """Return an estimate with its unit as text, as on a terminal: "12.1 [11.0, 13.3] µm²"."""
     estimate = Estimate(*point).in_prefixed_unit(unit)
     return "none" if np.isnan(estimate.value) else f"{estimate.text()}\u00a0{estimate.unit}".strip()
 
 
 @dataclass(frozen=True, eq=False)
 class QuantityEstimates:
-    """Estimates, for a report, of a quantity that depends neither on mu0 nor on tau0.
+    """Estimates, in a report, of a quantity that does not depend on mu0 or tau0.
 
     Attributes
     ----------
@@ -176,7 +176,7 @@ class QuantityEstimates:
     limit: float | None
 
     def to_record(self) -> dict[str, Any]:
-        """Return the estimates as JSON fields: numbers, decimals, texts, and flags for numbers above `limit`."""
+        """Return estimates as JSON fields: numbers, decimals, texts, and whether each number exceeds `limit`."""
         points = self.factor * self.estimates
         decimals, upper_limit_decimals = count_estimate_decimals(*np.moveaxis(points, -1, 0), digits=QUANTITY_DIGITS)
         texts = [
