@@ -798,9 +798,15 @@ def simulate_junction_growth_tests(
     return tests
 
 
+@cache
+def fit_junction_growth_tests(alpha: Any, true_junction_growth: float, **options: Any) -> Interface:
+    """Return the interface that these tests determine, which is fitted only once for all tests of this file."""
+    return calibrate(simulate_junction_growth_tests(alpha, true_junction_growth), sliding="all", **options)
+
+
 @pytest.mark.parametrize("growth", [3.0, 27.0])
 def test_calibration_with_junction_growth_recovers_mu0_and_tau0(growth: float) -> None:
-    interface = calibrate(simulate_junction_growth_tests(growth, growth), common=0.0, sliding="all")
+    interface = fit_junction_growth_tests(growth, growth, common=0.0)
     assert interface.mu0[0] == pytest.approx(0.2, abs=0.005)
     assert interface.tau0[0] == pytest.approx(0.05, rel=0.02)
     assert interface.mu0[1] < 0.2 < interface.mu0[2]
@@ -832,7 +838,7 @@ def test_prediction_for_an_interface_stronger_than_the_softer_body_has_no_upper_
 
 def test_calibration_with_junction_growth_agrees_with_a_brute_force_calculation() -> None:
     tests = simulate_junction_growth_tests(27.0, 27.0)
-    interface = calibrate(tests, common=0.0, sliding="all")
+    interface = fit_junction_growth_tests(27.0, 27.0, common=0.0)
     axes = np.linspace(0.17, 0.23, 9), np.linspace(0.043, 0.057, 9)
     friction = compute_plastic_pair(27.0).at("20 MPa", mu0=axes[0], tau0=axes[1])["mean_friction"]
     predict = RegularGridInterpolator(
@@ -879,7 +885,7 @@ def test_friction_tests_on_one_plastic_pair_do_not_determine_junction_growth() -
 def test_prediction_interval_for_a_harder_pair_contains_the_direct_solution(
     alpha: Any, true_junction_growth: float
 ) -> None:
-    interface = calibrate(simulate_junction_growth_tests(alpha, true_junction_growth), sliding="all")
+    interface = fit_junction_growth_tests(alpha, true_junction_growth)
     expected = solve_coefficient(0.2, 0.05, true_junction_growth, 0.02, 1.25)
     value, lower, upper = interface.predict(compute_plastic_pair(alpha, 0.02, "1.25 GPa"), "20 MPa")
     assert lower < expected < upper
@@ -895,7 +901,7 @@ def test_prediction_that_neglects_junction_growth_exceeds_the_direct_solution() 
 
 
 def test_prediction_issues_a_warning_if_result_and_tests_have_different_junction_growth() -> None:
-    interface = calibrate(simulate_junction_growth_tests(9.0, 9.0), sliding="all")
+    interface = fit_junction_growth_tests(9.0, 9.0)
     with pytest.warns(UserWarning, match="calibrated with junction growth 9, and the result has 0"):
         interface.predict(compute_plastic_pair(0), "20 MPa")
     interface.predict(STEEL_BALL, 50.0)  # there is no warning, because the ball does not yield
@@ -907,7 +913,7 @@ def test_calibration_of_tests_below_yield_reports_no_junction_growth() -> None:
 
 def test_interface_file_preserves_junction_growth(tmp_path) -> None:
     path = tmp_path / "film.csv"
-    interface = calibrate(simulate_junction_growth_tests("0..27", 9.0), sliding="all")
+    interface = fit_junction_growth_tests("0..27", 9.0)
     write_interface(interface, path)
     stored_interface = read_interface(path)
     assert stored_interface.about[JUNCTION_GROWTH_HEADER_ENTRY] == "0..27"
