@@ -316,7 +316,7 @@ class PreparedBodies:
         }
 
     def _find_measured_fraction(self) -> float:
-        """Return the mean fraction of the nominal area where both bodies have data, over the first surface pairs."""
+        """Return the fraction of the nominal area with data of both bodies, as a mean over the first surface pairs."""
         if all(getattr(scan, "missing", None) is None for scans in self._scans_by_side for scan in scans):
             return 1.0
         measured_fractions = []

@@ -1017,7 +1017,7 @@ def _list_scans(side: str, scan_input: Any) -> list[Any]:
 
 
 def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | NoiseHiddenInSpectrum | None:
-    """Return the wavelengths of a scan that may be noise: below its instrument limit, or hidden in its spectrum."""
+    """Return the limit below which wavelengths of a scan may be noise, or the noise that its spectrum may hide."""
     body = scan.read()
     if isinstance(body, JoinedSpectrum) or body.is_flat:
         return None

@@ -132,7 +132,7 @@ def _find_tested_ranges(
 
 
 def apply_ranges_of_pair(strength: InterfaceStrength, shared_inputs: Mapping[str, SharedInput]) -> InterfaceStrength:
-    """Return a copy of an interface, with samples resampled to the pair's ranges of inputs that are narrower there.
+    """Return a copy of an interface whose samples of mu0 and tau0 fit the pair's narrower ranges of inputs.
 
     Samples are selected in proportion to the ratio of the new to the old density of the inputs. They are then samples
     of the fit that the same tests would have given with the range of the pair.

@@ -1,4 +1,4 @@
-"""Study files: each completely describes a computation. Studies are read from TOML files, or built in."""
+"""Descriptions of computations (studies); each study is read from a TOML file, or is built in."""
 
 from __future__ import annotations
 
@@ -133,7 +133,7 @@ LOADS_DESCRIPTION = "Normal loads of the results; `contact.load` contains these 
 
 
 class GeneratedSurfaceFrictionSettings(SettingsSectionVariant):
-    """Base class of the section `[friction]` for generated surfaces: mu0 and tau0 at which figures show friction."""
+    """Base class of the section `[friction]` for generated surfaces, with the mu0 and tau0 used in figures."""
 
     place: ClassVar[str] = "generated surfaces"
     wait: ClassVar[tuple[Quantity, ...]] = ()
@@ -145,14 +145,14 @@ class GeneratedSurfaceFrictionSettings(SettingsSectionVariant):
 
 
 class AsperityFrictionSettings(GeneratedSurfaceFrictionSettings):
-    """Section `[friction]` for generated surfaces, asperity model: mu0 and tau0 at which figures show friction."""
+    """Section `[friction]` for generated surfaces, asperity model: mu0 and tau0 used in figures."""
 
     place: ClassVar[str] = "asperities of generated surfaces"
     load: ClassVar[tuple[Quantity, ...]] = ()
 
 
 class HalfSpaceFrictionSettings(GeneratedSurfaceFrictionSettings):
-    """Section `[friction]` for generated surfaces, half-space model: mu0, tau0 and loads that figures show."""
+    """Section `[friction]` for generated surfaces, half-space model: loads, mu0 and tau0 used in figures."""
 
     place: ClassVar[str] = "the half-space of generated surfaces"
 
@@ -494,7 +494,7 @@ class Study(SettingsSection):
         return self.contact.step_quantity
 
     def contact_sum_names(self) -> tuple[str, ...]:
-        """Return the names of the sums over contacts that a result stores for each surface pair and loading step."""
+        """Return the names of the quantities, such as sums over contacts, stored for each pair and loading step."""
         if self.uses_half_space:
             adhesion_names = ADHESION_QUANTITIES if self.contact.adheres else ()
             yielding_names = YIELDING_QUANTITIES if self.contact.yield_exponent is not None else ()

@@ -133,7 +133,7 @@ class Caveat:
 
 
 class LimitCheck(NamedTuple):
-    """Check of one quantity against an upper limit, with the text and the remedy of the caveat if it is exceeded.
+    """Check of a quantity against an upper limit; a quantity above the limit gives a caveat with a remedy.
 
     In the text of the caveat, {} stands for the number named `about`.
     """
@@ -319,7 +319,7 @@ def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
 
 
 def _build_contact_checks(study: Study) -> CheckGroups:
-    """Return checks for the contacts of a study, in groups; the first group checks the pull-off force."""
+    """Return the groups of checks that find caveats about a study's contacts, the check of the pull-off force first."""
     text = "the pull-off force is a lower bound"
     if not study.is_gap:
         text += f": {{}} of the {study.member_names.plural} have only a bound"
@@ -384,7 +384,7 @@ def find_point_caveats(
 
 
 def find_smallest_check_limit(name: str, study: Study) -> float | None:
-    """Return the lowest of the limits that checks of the contacts set for the quantity `name`.
+    """Return the smallest number above which the quantity `name` gives a caveat about the contacts.
 
     Returns None if no check compares this quantity.
     """
@@ -406,7 +406,7 @@ def compute_checked_quantities(
     value: ArrayLike, lower: ArrayLike, upper: ArrayLike, *, mu0: ArrayLike, tau0: ArrayLike, pressure: ArrayLike,
     contact_count: ArrayLike, members: float, is_merged: ArrayLike,
 ) -> dict[str, Any]:  # fmt: skip
-    """Compute the quantities that have limits in the checks for caveats: one array per quantity, keyed by name.
+    """Compute the quantities that give a caveat if they exceed a limit: one array per quantity, keyed by name.
 
     `is_merged` is True where contacts have merged over much of the nominal area. Merged contacts are few, but each
     merged contact averages over many asperities.
@@ -432,7 +432,7 @@ def compute_checked_quantities(
 
 
 def list_contact_check_names(study: Study) -> list[str]:
-    """Return the names of all quantities that have limits in the checks of the contacts and of the rms gradient."""
+    """Return the names of all quantities that can give a caveat about contacts or about the rms gradient."""
     check_groups = ([STEEP_SURFACE_CHECK], _build_contact_count_checks(study), *_build_contact_checks(study))
     return list(dict.fromkeys(check.name for group in check_groups for check in group))
 
@@ -509,7 +509,7 @@ def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
 def assess_ensemble_points(
     study: Study, status: NDArray[Any], numbers: Mapping[str, Any], unloaded_mask: NDArray[np.bool_]
 ) -> tuple[list[list[Caveat | LimitCheck]], NDArray[np.intp]]:
-    """Return caveats and failed checks for each combination of parameters in a study of generated surfaces.
+    """Return caveats and failed checks at each load, mu0, tau0 and roughness in a study of generated surfaces.
 
     For a single direction of motion, the reasons are the caveats of `find_point_caveats`. For several directions, each
     direction is assessed, whereas `find_point_caveats` assesses their mean. The arrays have equal shapes;

@@ -81,7 +81,7 @@ class Characterisation:
 
     @cached_property
     def scale_limited_body(self) -> Profile | Surface:
-        """Profile or filtered surface from which roughness parameters are computed; a profile is not filtered."""
+        """Body from which roughness parameters are computed: the profile without a filter, or the filtered surface."""
         body = self.body
         if isinstance(body, Profile):
             return body

@@ -131,7 +131,7 @@ class Evaluation(MemberSums):
 
     @property
     def contact_forces(self) -> xarray.Dataset | None:
-        """Force on the upper profile at each contact of a pair of profiles in the asperity model, and both profiles.
+        """Two profiles in contact in the asperity model, and the force on the upper profile at each of their contacts.
 
         None for maps, for the half-space model, and if no pair has contacts. The forces are computed on first use.
         """

@@ -65,7 +65,7 @@ def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray
 def evaluate_height_factors(
     result: Evaluation, scaled_bodies: ScaledBodies, mu0_index: int = 0, tau0_index: int = 0
 ) -> xarray.Dataset:
-    """Evaluate friction at the study's first load for each factor of the heights for which a result is stored.
+    """Evaluate friction at the study's first load, for each factor by which stored results multiply the heights.
 
     Nominal area and area fraction are omitted if the study has no nominal area.
     """
@@ -107,7 +107,7 @@ class FrictionOverDimension:
 
 
 def iterate_motions(result: Evaluation) -> Iterator[tuple[str, Evaluation]]:
-    """For each sliding rule and direction of motion, yield a suffix for file names and the result's data for them."""
+    """For each sliding rule and direction of motion, yield a suffix for file names and the part of the result."""
     dims = [dim for dim in ("sliding", "direction") if dim in result.head.dims]
     if not dims:
         yield "", result
@@ -135,7 +135,7 @@ def evaluate_friction_over_dimension(result: Evaluation, mu0: Sequence[float]) -
 
 
 def _find_commonly_reached_load(result: Evaluation, lowest: float) -> float:
-    """Return a load (mN) within the computed load range of 90 % of the pairs (fractal dimension, amplitude).
+    """Return a load (mN) that the computation reaches for 90 % of the pairs (fractal dimension, amplitude).
 
     The load is a power of 10, unless this power would be below `lowest` (mN). The load is at least `lowest`, even if
     fewer combinations reach `lowest`.

@@ -332,7 +332,7 @@ def find_study_caveats(study: Study, alternatives: Collection[str] = ()) -> tupl
 
 
 def find_alternatives(study: Study) -> list[AlternativeName]:
-    """Return names of other scan preparations; a coefficient's interval must include the results with all of them.
+    """Return the names of other scan preparations whose results a coefficient's interval must include.
 
     Scans with spikes require one alternative, and scans with a blunt tip another one. Bodies with a hardness need the
     tip alternative because the interval of their true area does not include finer roughness. Raises a `ValueError` if a
@@ -443,7 +443,7 @@ def _find_instrument_caveats(
 
 
 def _describe_slope_fraction(limit: InstrumentLimit) -> str:
-    """Return a clause on the fraction of the mean square slope that is due to unreliably short wavelengths."""
+    """Return a clause on the fraction of the mean square slope due to wavelengths that are too short to be reliable."""
     # The fraction is rounded to whole per cent, so that similar scans get caveats with the same text.
     fraction_text = f"{100 * limit.slope_fraction:.0f} %"
     axis_text = f" along {limit.axis}" if limit.axis else ""

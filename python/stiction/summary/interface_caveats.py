@@ -54,7 +54,7 @@ def find_interface_caveats(
 
 
 def find_range_caveats(strength: InterfaceStrength, inputs: Inputs, pair_checksum: str) -> Iterator[Caveat]:
-    """Yield a caveat for each input with one central value, but different ranges in a pair and its friction tests.
+    """Yield a caveat for each input whose range, but not central value, differs between a pair and its friction tests.
 
     A further caveat is yielded if only the pair or only the tests have the size effect of small contacts.
 
@@ -109,7 +109,7 @@ def _find_size_effect_difference(strength: InterfaceStrength, inputs: Inputs) ->
 
 
 def _get_tested_range_text(shared_input: SharedInput, strength: InterfaceStrength, unit: str) -> str:
-    """Return the range of an input in friction tests as text: as given to `calibrate` (hardness), or as two limits."""
+    """Return an input's range in friction tests as text: two limits or, for the hardness, the text from the user."""
     tested = shared_input.tested
     with contextlib.suppress(KeyError, ValueError):
         hardness = parse_study_input("hardness", strength.about[HARDNESS_HEADER_ENTRY])

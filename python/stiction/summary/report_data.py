@@ -166,7 +166,7 @@ def count_coefficients(result: Evaluation) -> int:
 def collect_report_data(
     result: Evaluation, picture: xarray.Dataset | None = None
 ) -> ReportDataOfMeasuredSurfaces | ReportDataOfGeneratedSurfaces:
-    """Collect the data of a report, except for the arrays of results for each load, mu0 and tau0 of the sliders.
+    """Collect the data of a report, except for the results that change with the report's sliders.
 
     `picture` comes from `contact_picture`; by default it is the picture that is stored with the result.
     """

@@ -370,7 +370,7 @@ class Summary:
 
     @property
     def _points_at_cutoffs(self) -> xarray.Dataset | None:
-        """Friction at several cutoffs, from this result or else from a stored result; None if both lack cutoffs."""
+        """Friction at several cutoffs, from this result or else from a stored one; None if neither has such results."""
         points = self.at if self.at.sizes.get("cut_off", 0) > 1 else self.values_at_cutoffs
         return None if points is None else sort_sliding_rules(points, self.study)
 
@@ -437,7 +437,7 @@ def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates
 
 
 def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, alternative: Summary) -> PointSummary:
-    """Add to a result point the severe caveats that another preparation of the scans has, but the point itself lacks.
+    """Add to a result point those severe caveats of another scan preparation that the point itself lacks.
 
     Without these faults, errors of a scan could improve an assessment. For example, spikes hold two bodies apart, so
     that more contacts carry the load.
@@ -482,7 +482,7 @@ def _get_coordinates_without_cutoff(point: PointSummary) -> tuple[tuple[str, flo
 
 
 def _extend_point_to_other_cutoff(point: PointSummary, other_point: PointSummary) -> PointSummary:
-    """Widen a result point's intervals to include the intervals at another cutoff, and add the severe caveats there.
+    """Widen a result point's intervals to include those of another cutoff, and add the other cutoff's severe caveats.
 
     Filtering does not improve an assessment, so a fault at the other cutoff is also a fault of the reported point.
     """

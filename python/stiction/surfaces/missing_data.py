@@ -66,7 +66,7 @@ def interpolate_missing_points(heights: Floats, *, extrapolate: bool) -> Floats:
 
 
 def compute_scattered_missing_fraction(missing: NDArray[np.bool_]) -> float:
-    """Return the fraction of points that are missing, with both neighbours along x or both along y measured."""
+    """Return the fraction of points that are missing although both neighbours along x, or both along y, are known."""
     is_between = np.zeros(missing.shape, np.bool_)
     for axis in range(missing.ndim):
         missing_lines, between_lines = np.moveaxis(missing, axis, -1), np.moveaxis(is_between, axis, -1)

@@ -94,7 +94,7 @@ class ScanDefects:
 
     @cached_property
     def num_spikes(self) -> int:
-        """Number of spikes in the scan: outliers at which the height changes abruptly (in profiles: isolated ones).
+        """Number of spikes in the scan: outliers with an abrupt change of height; in profiles, only isolated ones.
 
         Cusps and edges of machined surfaces are sharp too, but usually not outliers. Narrow scratches can be outliers,
         but are not isolated.
@@ -148,7 +148,7 @@ class ScanDefects:
         return self._find_instrument_limit_with_tip(0.0)
 
     def find_noise_slope_fraction(self, cut_off: float) -> float:
-        """Return noise's fraction of the mean square slope that remains after a low-pass filter at `cut_off` (µm).
+        """Return which fraction of the mean square slope is noise after low-pass filtering at `cut_off` (µm).
 
         At wavelengths below `instrument_limit`, the noise is assumed to have the same spectrum as the scan. Raises a
         `ValueError` if the body is flat.

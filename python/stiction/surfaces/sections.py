@@ -217,7 +217,7 @@ def section_parameters(
 def _compute_with_setting_class(
     profile: Profile, ls: float | None, sections: int, robust: bool, derivative: DerivativeFormula
 ) -> SectionParameters:
-    """Compute R- and W-parameters with the setting class of ISO 21920 that fits the Ra and RSm it gives."""
+    """Compute R- and W-parameters with the setting class (ISO 21920) that belongs to the resulting Ra and RSm."""
     section_lengths = [setting.section_length for setting in SETTING_CLASSES]
     if section_lengths[0] > profile.extent * ROUND_OFF_FACTOR:
         raise SectionLengthError(_format_too_short_message(profile, section_lengths[0]))

@@ -98,7 +98,7 @@ def _single_joint_frame(table: JointTable) -> pandas.DataFrame:
 
 
 def joint_csv(tables: Sequence[JointTable]) -> str:
-    """Return joint tables as CSV: rows without the notes on the tables."""
+    """Return the rows of joint tables as CSV; the notes on the tables are left out."""
     return frame_to_csv(joint_frame(tables))
 
 
@@ -271,7 +271,7 @@ def _list_curve(table: JointTable) -> list[tuple[Estimate, Estimate]]:
 
 
 def _find_start_closure(table: JointTable) -> float:
-    """Return the closure up to which an input card's curve starts as a straight line, or 0 if it does not.
+    """Return the closure at the end of the straight line with which an input card's curve begins; 0 without a line.
 
     The line ends at the pressure from which closure is counted, and has the closure stiffness at this pressure. The
     result is 0 if closure is counted from first contact.
@@ -281,7 +281,7 @@ def _find_start_closure(table: JointTable) -> float:
 
 
 def _describe_curve_start(table: JointTable) -> str:
-    """Return a sentence on an input card's closure curve below the first pressure: where it is a straight line."""
+    """Return a sentence on an input card's closure curve below the first pressure, where it is a straight line."""
     start_closure = _find_start_closure(table)
     if start_closure == 0:
         return "Below the first pressure the curve is a straight line."

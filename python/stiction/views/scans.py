@@ -197,7 +197,7 @@ def _draw_pressure_panel(axes: Axes, joined: JoinedSpectrum) -> None:
 
 
 def repeated_scans_text(comparison: RepeatedScans, caveats: Sequence[Caveat] = ()) -> str:
-    """Return the comparison of two scans as text: noise in each octave, shift, cutoff against noise, and caveats."""
+    """Return the comparison of two scans as text: noise in each octave, shift, cutoff to limit noise, and caveats."""
     rows = [["wavelengths", "in both", "noise of one scan", "noise fraction of the mean square"]]
     for wavelength, common_height, noise_height in np.transpose(
         [comparison.wavelength, comparison.common, comparison.noise]

@@ -493,7 +493,7 @@ def dwell_time_text(point: PointSummary) -> str:
 
 
 def rate_and_state_text(point: PointSummary) -> str:
-    """Return a sentence on the rate-and-state friction parameters b (ageing) and D_c (length).
+    """Return a sentence on rate-and-state friction: the parameter b (ageing), and the slip distance D_c.
 
     Returns "" if they are unknown.
     """

@@ -300,7 +300,7 @@ def shear_text(test: xarray.Dataset, *, verbose: bool = False) -> str:
 
 
 def headline_lines(test: xarray.Dataset) -> list[str]:
-    """Return lines on a shear test: its peak, its end, sources of uncertainty, lower face, closure, registration."""
+    """Return lines on a shear test: results at its peak and end, uncertainty, lower face, closure, registration."""
     estimates, end = headline_estimates(test), float(test["displacement"][-1])
     lines = []
     if estimates["peak_friction_coefficient"].status == STATUS_OK:

@@ -387,7 +387,7 @@ def grooves_paragraph(point: PointSummary, *, verbose: bool = False) -> Paragrap
 
 
 def _grooves_text(by_axis: Mapping[float, Estimate]) -> str:
-    """Return a sentence on grooves: the relative difference between coefficients for motion along both axes.
+    """Return a sentence on grooves: the relative difference between coefficients for motion along different axes.
 
     Grooves are reported if the intervals along two axes do not overlap, and if the difference is at least 1 %.
     """

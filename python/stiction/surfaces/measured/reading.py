@@ -1,4 +1,4 @@
-"""Reading of measured profiles and height maps: selection of a reader for each file, and use of the content."""
+"""Reading of measured profiles and height maps: choice of a reader for each file, interpretation of its content."""
 
 from __future__ import annotations
 
@@ -453,7 +453,7 @@ def _read_content(path: Path, words: tuple[str, ...]) -> ReaderResult:
 
 
 def _reject_described_slopes(path: Path) -> None:
-    """Raise `FormatError` for a .dat file of DABAM (X-ray mirrors) if the file's description says it has slopes."""
+    """Raise `FormatError` for a .dat file of the X-ray mirror database DABAM if its description declares slopes."""
     description = path.with_suffix(".txt")
     if path.suffix.lower() != ".dat" or not description.is_file() or description.stat().st_size > MAX_DESCRIPTION_BYTES:
         return

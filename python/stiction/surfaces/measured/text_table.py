@@ -191,7 +191,7 @@ def _to_table(
 
 
 def _find_cut_number(block: NumberBlock) -> tuple[FileCaveat, ...]:
-    """Return a caveat if a file's last number seems truncated, because all numbers above it have more decimals."""
+    """Return a caveat if a file's last number seems truncated, because the numbers above it have more decimals."""
     start = int(block.lines.size) - MIN_ROWS_ABOVE_CUT_NUMBER - 1
     if start < 0 or (block.text.line_kinds[int(block.lines[-1]) + 1 :] == TEXT_LINE_CODE).any():
         return ()

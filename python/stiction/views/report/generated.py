@@ -151,7 +151,7 @@ def _caveat_number_arrays(values: ReportValuesOfGeneratedSurfaces) -> dict[str, 
 
 
 def _contains_number(reason: Caveat | LimitCheck) -> TypeGuard[LimitCheck]:
-    """Return whether a caveat is a failed check with a number in its text, which differs between result points."""
+    """Return whether a caveat is a failed check whose text states a number that differs between result points."""
     return isinstance(reason, LimitCheck) and "{}" in reason.text
 
 

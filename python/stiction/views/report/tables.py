@@ -23,7 +23,7 @@ _COMPRESSION_LEVEL = 7
 
 
 def encode_doubles(values: ArrayLike, num_leading_bytes: int) -> str:
-    """Compress floating-point numbers to text; the text stores first the first bytes of all numbers, and so on.
+    """Compress floating-point numbers to text: the first bytes of all numbers, then the second bytes, and so on.
 
     Each number is rounded to `num_leading_bytes` bytes. Bytes at the same position are similar, especially signs and
     exponents, so this order compresses best.
