@@ -131,6 +131,23 @@ def test_missing_indentation_depth_adds_a_caveat_for_metals_only():
     assert "as hard as large ones" not in texts[1] + texts[2]
 
 
+@pytest.mark.parametrize("tau0", [0.0, 0.02])
+def test_true_area_has_a_note_if_the_size_effect_is_larger_than_its_interval(tau0):
+    exact, uncertain, measured = (
+        press_metals(tau0=tau0, **options) for options in ({}, {"hardness": "0.1..2.5 GPa"}, {"indent": "2 um"})
+    )
+    note = "The interval of the true area does not include the size effect: small contacts may be 2.2 times as hard"
+    assert note in " ".join(str(exact).split())
+    assert "size effect" not in str(uncertain) + str(measured)
+    reduction = float(" ".join(str(exact).split()).split("and the true area ")[1].split(" % smaller")[0]) / 100
+    depth = estimate_indentation_depth(
+        *(get_mean(exact, name) for name in ("contact_area", "contact_count", "rms_gradient"))
+    )
+    harder = press_metals(tau0=tau0, hardness=float(0.5 * size_effect_factor(0.5, depth)))
+    expected = 1 - get_mean(harder, "contact_area") / get_mean(exact, "contact_area")
+    assert reduction == pytest.approx(expected, abs=0.05)
+
+
 def test_very_hard_metal_has_a_caveat_if_an_indentation_is_given():
     options = {"hardness": 5.0, "tau0": 0.3, "load": "200 MPa"}
     texts = [

@@ -601,39 +601,79 @@ def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> It
     yield Caveat(text, remedy, "caution")
 
 
-def _find_size_effect_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
-    """Yield a caveat if the hardness of small metal contacts may differ from the hardness that the study assumes."""
-    contact, softer_material = study.contact, softest_material(*find_materials(study))
-    if contact.yield_exponent is None:
-        return
-    is_metal = (
-        effective_modulus_at(point, study) > MIN_METAL_MODULUS
-        if softer_material is None
-        else softer_material.kind == "metal"
-    )
-    hardness = get_study_hardness(study)
-    is_hardened = effective_modulus_at(point, study) < MIN_MODULUS_TO_HARDNESS_RATIO * hardness
-    if is_metal and is_hardened and contact.indent is not None:
-        text = (
-            f"metals as hard as {format_with_unit(hardness, 'GPa')} have a smaller indentation size effect than "
-            "assumed, so the contacts are computed too hard"
-        )
-        yield Caveat(text, "leave out the depth of the indentation", "caution")
-    if not is_metal or is_hardened or contact.indent is not None:
-        return
+def _is_metal(point: xarray.Dataset, study: Study) -> bool:
+    """Return whether the softer body is a metal; an unnamed material with a high E* counts as a metal."""
+    softer_material = softest_material(*find_materials(study))
+    if softer_material is None:
+        return effective_modulus_at(point, study) > MIN_METAL_MODULUS
+    return softer_material.kind == "metal"
+
+
+def _is_hardened(point: xarray.Dataset, study: Study) -> bool:
+    """Return whether the hardness is so high that a metal has a smaller size effect than assumed."""
+    return effective_modulus_at(point, study) < MIN_MODULUS_TO_HARDNESS_RATIO * get_study_hardness(study)
+
+
+class SizeEffect(NamedTuple):
+    """Indentation size effect that a study neglects, for a typical length h*.
+
+    Attributes
+    ----------
+    depth : float, µm
+        Depth of the indentation that corresponds to the contacts.
+    hardness_ratio : float
+        Hardness of the contacts divided by the hardness of large indentations.
+    area_reduction : float
+        Relative reduction of the true area through the size effect.
+    """
+
+    depth: float
+    hardness_ratio: float
+    area_reduction: float
+
+
+def estimate_size_effect(point: xarray.Dataset, study: Study) -> SizeEffect | None:
+    """Estimate the size effect of contacts whose hardness was measured at an unknown depth.
+
+    Returns None if the contacts have no size effect, or if the study includes it.
+    """
+    if study.contact.yield_exponent is None or study.contact.indent is not None:
+        return None
+    if not _is_metal(point, study) or _is_hardened(point, study):
+        return None
     names = ("contact_area", "contact_count", "rms_gradient", "load_share_at_hardness")
     area, count, slope, plastic_fraction = (mean_over_directions(point, name) for name in names)
     depth = float(estimate_indentation_depth(area, count, slope, are_lines=not study.is_areal))
-    factor = float(size_effect_factor(TYPICAL_SIZE_EFFECT_LENGTH, depth))
+    ratio = float(size_effect_factor(TYPICAL_SIZE_EFFECT_LENGTH, depth))
+    return SizeEffect(depth, ratio, plastic_fraction * (1 - 1 / ratio))
+
+
+def _find_size_effect_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
+    """Yield a caveat if the hardness of small metal contacts may differ from the hardness that the study assumes."""
+    if (
+        study.contact.yield_exponent is not None and study.contact.indent is not None
+        and _is_metal(point, study) and _is_hardened(point, study)
+    ):  # fmt: skip
+        text = (
+            f"metals as hard as {format_with_unit(get_study_hardness(study), 'GPa')} have a smaller indentation size "
+            "effect than assumed, so the contacts are computed too hard"
+        )
+        yield Caveat(text, "leave out the depth of the indentation", "caution")
+    size_effect = estimate_size_effect(point, study)
+    if size_effect is None:
+        return
+    area = mean_over_directions(point, "contact_area")
     law = Inputs.from_study(study).friction_law(0.0, read_number(point, "tau0"))
     _, adhesive = law.contributions(0.0, area / read_number(point, "load"))
     # The coefficient is 0 if mu0 and tau0 are 0.
-    effect = plastic_fraction * (1 - 1 / factor) * adhesive / value.value if adhesive > 0 else 0.0
+    effect = size_effect.area_reduction * adhesive / value.value if adhesive > 0 else 0.0
     if not effect > NEGLIGIBLE_GROWTH_EFFECT or _cancels_size_effect(study):
         return
+    depth_text = format_with_unit(size_effect.depth, "um")
     text = (
-        f"small contacts of metals are harder: like indentations {format_with_unit(depth, 'um')} deep, they may be "
-        f"{factor:.1f} times as hard as large ones, and the coefficient {format_percent(effect)} lower"
+        f"small contacts of metals are harder: like indentations {depth_text} deep, they may be "
+        f"{size_effect.hardness_ratio:.1f} times as hard as large ones, and the coefficient {format_percent(effect)} "
+        "lower"
     )
     yield Caveat(text, "give the depth of the indentation with --indent", "caution")
 

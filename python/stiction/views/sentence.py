@@ -14,6 +14,7 @@ from stiction.study.input_distributions import SLIP_LINE_TEXT, UncertainInput
 from stiction.study.inputs import Inputs, find_interface
 from stiction.study.member_names import POSITION_NAMES
 from stiction.study.moduli import find_default_area_loss
+from stiction.summary.assessment import estimate_size_effect
 from stiction.summary.summary import PointSummary, Summary, has_central_value
 from stiction.surfaces.pairing import SIDES
 from stiction.views.point import (
@@ -412,6 +413,24 @@ def small_slope_estimate_text(point: PointSummary) -> str:
             f"has {format_significant(point.kappa)}. It would be {estimates}{hardness_note}."
         )
     return f"Small-slope estimate: {estimates}{hardness_note}."
+
+
+def area_size_effect_text(points: Sequence[PointSummary]) -> str:
+    """Return a sentence on the first true area that the size effect may reduce below its interval.
+
+    The text is empty if the size effect is smaller than the intervals, or if a study includes it.
+    """
+    for point in points:
+        area, size_effect = point.quantities.get("contact_area"), estimate_size_effect(point.values, point.study)
+        if size_effect is None or area is None:
+            continue
+        if area.value * (1 - size_effect.area_reduction) < area.lower:
+            return (
+                "The interval of the true area does not include the size effect: small contacts may be "
+                f"{size_effect.hardness_ratio:.1f} times as hard as large ones, and the true area "
+                f"{format_percent(size_effect.area_reduction)} smaller (--indent)."
+            )
+    return ""
 
 
 # ---- Sentences about a single point ----------------------------------------------------------------------------------

@@ -40,6 +40,7 @@ from stiction.views.pull_off import pull_off_text
 from stiction.views.quantities import quantities_paragraph
 from stiction.views.resolution import resolution_paragraphs
 from stiction.views.sentence import (
+    area_size_effect_text,
     input_range_text,
     no_values_text,
     point_detail_sentences,
@@ -138,6 +139,8 @@ def main_values_text(
         table_paragraph = quantities_paragraph(
             points_of_first_cell, verbose=verbose, cell=_first_cell_coordinates_text(points)
         )
+        if size_effect_text := area_size_effect_text(points_of_first_cell):
+            table_paragraph = [*table_paragraph, size_effect_text]
         if verbose:
             table_paragraph = [combined_intervals_note(points[0]), *table_paragraph]
         for point in [point for point in points_of_first_cell if not point.is_unloaded][:1]:
