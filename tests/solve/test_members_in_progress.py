@@ -23,7 +23,7 @@ from stiction.solve.members_in_progress import (
 )
 from stiction.solve.store import BLOCKS_DIRECTORY
 from stiction.study.members import count_grid_points, get_first_pair
-from support.generated_studies import assert_same_bits
+from support.generated_studies import SMALL_STUDY, assert_same_bits
 from support.studies_of_files import create_study_from_files, write_maps, write_profiles
 
 ADHESION = 'work_of_adhesion = "50 mJ/m^2"'
@@ -307,3 +307,17 @@ def test_key_of_stored_load_steps_changes_with_the_solver_code(tmp_path, monkeyp
         members_in_progress._hash_step_modules.cache_clear()
         assert members_in_progress.compute_steps_key("study") != key
     members_in_progress._hash_step_modules.cache_clear()
+
+
+def test_iterations_of_a_member_are_estimated_once_for_all_displays_of_the_progress():
+    estimated_members = []
+
+    def record_estimate(member):
+        estimated_members.append(member)
+        return 100.0
+
+    in_progress = MembersInProgress(SMALL_STUDY, None, record_estimate, lambda: 100.0)
+    in_progress.add(0)
+    assert in_progress.estimate_progress() == in_progress.estimate_progress() == 0
+    in_progress.remove(range(1))
+    assert estimated_members == [0]

@@ -20,7 +20,7 @@ import time
 import zipfile
 import zlib
 from collections.abc import Callable, Container
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -39,6 +39,9 @@ MAX_STEP_BYTES = 2**32
 _STATE_FILE = "state.npz"
 _STEP_FILE_PATTERN = re.compile(r"([0-9]{5,}|state)\.npz")
 _MEMBER_DIRECTORY_PATTERN = re.compile(r"([0-9]{7,18})-[0-9a-f]{16}")
+MAX_CACHED_ESTIMATES = 256
+"""Maximum number of members whose estimated iterations are cached, because each display of the progress uses them."""
+
 MAX_LINEAR_PROGRESS_FRACTION = 0.5
 """Fraction of the expected iterations up to which a member's progress is proportional to the number of iterations.
 
@@ -59,7 +62,8 @@ class MembersInProgress:
         self, study: Study, directory: Path | None, estimate_iterations: Callable[[int], float],
         estimate_mean_iterations: Callable[[], float] | None = None,
     ) -> None:  # fmt: skip
-        self._study, self._directory, self._estimate_iterations = study, directory, estimate_iterations
+        self._study, self._directory = study, directory
+        self._estimate_iterations = lru_cache(MAX_CACHED_ESTIMATES)(estimate_iterations)
         self._estimate_mean_iterations = estimate_mean_iterations
         self._records: dict[int, SolutionRecord] = {}
         self._excess_work = 0.0
