@@ -604,7 +604,7 @@ class MeasuredPair:
 
     @cached_property
     def _filter_settings(self) -> dict[str, Any]:
-        """Entries of the section `[surfaces]` that filter out wavelengths that may be instrument noise.
+        """Entries of the section `[surfaces]` for a low-pass filter, because short wavelengths may be instrument noise.
 
         The study then has two cutoffs: one without a filter, and one at which each scan is filtered at its own cutoff.
         The filtered scans come first and give the quoted result if the spectrum of one scan ends in the noise floor of

@@ -742,7 +742,7 @@ def _find_caveats_about_unlimited_friction(
 
 
 def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield caveats if adhesion is neglected, if its range is unresolved, or if E* or the hardness is uncertain."""
+    """Yield caveats if adhesion is neglected, its range is unresolved, or the interval leaves out its uncertainty."""
     if not study.contact.adheres:
         added_load = estimate_adhesion_load_ratio(point, study)
         # The asperity model always neglects adhesion, so it gets a caveat only if adhesion would double the load.

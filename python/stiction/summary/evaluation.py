@@ -178,7 +178,7 @@ class Evaluation(MemberSums):
 
     @property
     def _at_all_dimensions(self) -> xarray.Dataset:
-        """Friction and sums over contacts for all fractal dimensions, at the loads, mu0 and tau0 of the study."""
+        """Friction and contact quantities for all fractal dimensions, at the loads, mu0 and tau0 of the study."""
         return self.compute_once(Evaluation._evaluate_at_all_dimensions)
 
     def _evaluate_at_all_dimensions(self) -> xarray.Dataset:
@@ -445,7 +445,7 @@ class Evaluation(MemberSums):
     def summary(
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None
     ) -> Summary:
-        """Summarize the result for one load, one mu0 and one tau0.
+        """Summarize the result for given loads, mu0 and tau0.
 
         By default, these are the loads, mu0 and tau0 of the study. The default summary is computed only once.
 
@@ -514,7 +514,7 @@ class Evaluation(MemberSums):
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Limits of `value`'s 95 % interval, combined from uncertain inputs, positions and unresolved roughness."""
+        """Limits of the 95 % interval of `value`, due to uncertain inputs, positions and unresolved roughness."""
         return self._first_reported_point.lower, self._first_reported_point.upper
 
     @property

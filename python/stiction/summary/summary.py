@@ -353,7 +353,7 @@ class Summary:
 
     @cached_property
     def resolution(self) -> ResolutionEffect | None:
-        """Effect of the scan resolution on friction, or None for generated surfaces or if scan files are missing."""
+        """Effect of scan resolution on friction; None for generated surfaces, and None if scan files are missing."""
         return find_resolution_effect(self.at, self.study, self._points_at_cutoffs)
 
     def find_resolution_limits(self, mu0_index: int = 0, tau0_index: int = 0) -> ResolutionLimits | None:

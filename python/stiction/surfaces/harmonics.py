@@ -65,7 +65,7 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
 
 
 def estimate_density_between_harmonics(density: Floats, count: Floats, distance: float) -> Floats:
-    """Estimate the background density between the harmonics of a texture, from a low moving quantile of the spectrum.
+    """Estimate the background density between a texture's harmonics from a low quantile in moving windows.
 
     Parameters
     ----------

@@ -298,7 +298,7 @@ def _find_grid_offset(upper: Any, lower: Any, position: _FacePosition) -> tuple[
 
 
 def _measure_distances(body: Any) -> list[Floats]:
-    """Return the distances (µm) of a body's points from the middle of the body, along each axis."""
+    """Return the positions (µm) of a body's points relative to the middle of the body, along each axis."""
     return [
         (np.arange(count) - (count - 1) / 2) * spacing
         for count, spacing in zip(body.heights.shape, body.spacings, strict=True)
@@ -428,7 +428,7 @@ def _estimate_noise(gap: Any) -> float:
 
 
 def _cut_overlap(upper: Any, lower: Any, offset: tuple[int, ...]) -> tuple[Any, Any]:
-    """Cut the overlap out of two bodies, for an offset (in points) of the upper body."""
+    """Crop two bodies to the area where they overlap, given the offset (in points) of the upper body."""
     upper_index, lower_index = [], []
     for step, upper_points, lower_points in zip(offset, upper.heights.shape, lower.heights.shape, strict=True):
         start = max(0, step)

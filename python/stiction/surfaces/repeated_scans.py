@@ -328,7 +328,7 @@ def _resample_at_shift(a: Floats, b: Floats, shift: Floats) -> tuple[Floats, Flo
 
 
 def _compute_slopes_along_axes(heights: Floats) -> list[Floats]:
-    """Compute the slopes of heights along each axis, as the height change from one grid point to the next."""
+    """Compute the slopes of heights along each axis, as height differences per grid point (central differences)."""
     return list(np.gradient(heights)) if heights.ndim > 1 else [np.gradient(heights)]
 
 

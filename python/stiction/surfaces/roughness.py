@@ -320,7 +320,7 @@ def rms_gradient(surface: Surface, derivative: DerivativeFormula) -> float:
 
 
 def _compute_slopes_along_axis(heights: Floats, axis: int, derivative: DerivativeFormula) -> Floats:
-    """Compute the slopes of heights along an axis, as the height change from one grid point to the next."""
+    """Compute the slopes of heights along an axis (height per grid point) with the formula `derivative`."""
     if derivative == "neighbours":
         return np.diff(heights, axis=axis)
     lines = heights if axis == 1 else heights.T

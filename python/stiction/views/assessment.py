@@ -109,7 +109,7 @@ def _number_with_unit(number: tuple[str, str]) -> float:
 
 
 def _range_text(numbers: Sequence[tuple[str, str]]) -> str:
-    """Format the range of numbers with units, given in ascending order, as in "95 to 116 MPa"."""
+    """Format numbers with units, given in ascending order, as a range such as "95 to 116 MPa"."""
     (smallest, low_unit), (largest, high_unit) = numbers[0], numbers[-1]
     if (smallest, low_unit) == (largest, high_unit):
         return f"{smallest}{low_unit}"

@@ -46,7 +46,7 @@ def sliding_rule_text(point: PointSummary, rule: str) -> str:
 
 
 def coordinate_text(name: str, value: float) -> str:
-    """Return the value of a coordinate of a result point with its unit as text, as in "50 MPa"."""
+    """Return the value of a coordinate, such as tau0, as text with its unit, as in "50 MPa"."""
     return format_with_unit(value, _COORDINATE_UNITS[name]) if name in _COORDINATE_UNITS and value else f"{value:.4g}"
 
 

@@ -412,5 +412,5 @@ def _rate_and_state_record(point: PointSummary) -> dict[str, Any] | None:
 
 
 def _build_body_fields(values: Iterable[Any]) -> dict[str, Any]:
-    """Return two properties, one of each body, as the JSON fields "upper_body" and "lower_body"."""
+    """Return a property of each body, such as its cutoffs, as the JSON fields "upper_body" and "lower_body"."""
     return {f"{side}_body": value for side, value in zip(SIDES, values, strict=True)}
