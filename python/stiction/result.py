@@ -113,7 +113,9 @@ class Result(Evaluation):
         ----------
         path : path
         load : str or array_like of float, mN, optional
-            Loads of the table, as for `at`; by default the loads of the study, or of `joint_table`.
+            Loads of the table, as for `at`; by default the loads of the study, or of `joint_table`. For a card, the
+            single load of the coefficient and stiffnesses that the card contains once; by default the load of the
+            study.
         mu0 : str or array_like of float, optional
         tau0 : str or array_like of float, GPa, optional
             By default the values of the study. A card needs a single mu0 and a single tau0.
@@ -130,8 +132,8 @@ class Result(Evaluation):
         Raises
         ------
         ValueError
-            If the file exists or cannot be written, if its name has another ending, or if there are several mu0 or
-            tau0 for a card.
+            If the file exists or cannot be written, if its name has another ending, or if there are several loads, mu0
+            or tau0 for a card.
         """
         path = parse_path("path", path)
         check_bool("joint", joint)

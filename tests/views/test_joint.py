@@ -447,6 +447,7 @@ def test_export_command_writes_joint_tables_and_rejects_wrong_options(result, di
     assert (directory / "from_command.csv").read_text(encoding="utf-8") == expected
     for arguments, message in (
         (("x.tex", "--joint"), "must end in .csv"),
+        (("x.dat",), "or .inp (a card for Abaqus and CalculiX) or .mac (a card for Ansys) or .liggghts (a card for"),
         (("x.inp", "--units", "in,lbf,psi"), "units must be one of 'mm,N,MPa'"),
         (("x.csv", "--units", "m,N,Pa"), "--units applies only to joint tables and cards"),
         (("x.csv", "--closure-from", "9 MPa"), "--closure-from applies only to joint tables and cards"),
@@ -485,8 +486,39 @@ def test_exported_tables_at_given_loads_contain_the_values_of_the_result(result,
     assert joint_table["nominal pressure (MPa)"].tolist() == pytest.approx([20, 80])
     np.testing.assert_allclose(joint_table["stiffness of closure (MPa/mm)"], values["closure_stiffness"], rtol=1e-8)
     assert not joint_table["computed"].any()
-    check_stiction("export", "pair", "card_at.inp", "--load", "20 MPa,80 MPa", cwd=directory)
-    assert len(re.findall(r"^(?:20|80), ", (directory / "card_at.inp").read_text(), re.MULTILINE)) == 2
+
+
+def test_card_contains_the_coefficient_and_stiffness_at_the_given_load_and_the_whole_closure_curve(result, directory):
+    check_stiction("export", "pair", "card_at.inp", "--load", "80 MPa", "--closure-from", "20 MPa", cwd=directory)
+    card = (directory / "card_at.inp").read_text()
+    whole_card = export_text(result, directory / "card.inp", closure_from="20 MPa")
+    curve, whole_curve = (
+        re.findall(r"^([-\d.e+]+), [-\d.e+]+$", text.split("*FRICTION")[0], re.M) for text in (card, whole_card)
+    )
+    assert {float(pressure) for pressure in curve} == {80, *(float(pressure) for pressure in whole_curve)}
+    (row,) = result.joint_table("80 MPa").rows
+    expected = [row.friction(50).value, row.estimates["tangential_stiffness_per_area"].value]
+    for text in (card, export_text(result, directory / "card.inp", load="80 MPa")):
+        assert "stick slope (tangential stiffness) at 80 MPa," in " ".join(text.replace("** ", "").split())
+        (friction,) = re.findall(r"^\*FRICTION\n(.*), (.*)$", text, re.M)
+        assert [float(number) for number in friction] == pytest.approx(expected, rel=1e-3)
+
+
+def test_card_needs_a_single_load_within_the_computed_loads(result, directory):
+    message = "--load must be a single load for a card, which has one tangential stiffness for all pressures; choose"
+    for options in ((), ("--compute",)):
+        command = call_stiction("export", "pair", "x.mac", "--load", "20 MPa,80 MPa", *options, cwd=directory)
+        assert_rejected(command, f"{message} one of 20 MPa, 80 MPa")
+    assert_rejected(call_stiction("export", "pair", "x.mac", "--load", "9 GPa", cwd=directory), "no values at")
+    assert not (directory / "x.mac").exists()
+
+
+def test_card_of_a_pair_with_several_loads_needs_a_load(tmp_path):
+    result = small_pair(mu0=0.1, shifts=3, load=["10 kPa", "20 kPa"])
+    with pytest.raises(ValueError, match=r"load must be a single load for a card.*; choose one of 10 kPa, 20 kPa"):
+        result.export(tmp_path / "card.inp")
+    result.export(tmp_path / "card.inp", load="20 kPa")
+    assert "(tangential stiffness) at 0.02 MPa" in (tmp_path / "card.inp").read_text()
 
 
 def test_export_command_computes_results_at_given_loads_outside_the_range_of_the_study(result, directory):
@@ -494,6 +526,8 @@ def test_export_command_computes_results_at_given_loads_outside_the_range_of_the
     table = pandas.read_csv(directory / "given.csv")
     assert table["nominal pressure (MPa)"].tolist() == pytest.approx([20, 900])
     assert table["computed"].all()
+    check_stiction("export", "pair", "given.inp", "--load", "900 MPa", "--compute", cwd=directory)
+    assert "(tangential stiffness) at 900 MPa" in (directory / "given.inp").read_text()
 
 
 def test_export_command_warns_of_loads_without_values_and_rejects_a_table_without_any(result, directory):
@@ -514,7 +548,8 @@ def small_pair(rms=0.3, **options):
         self_affine_surface(3, hurst_exponent=0.8, rms=rms, shape=(32, 32), spacing=1.0, side=side)
         for side in ("upper", "lower")
     ]
-    return pair(*bodies, load="20 kPa", effective_modulus="80 GPa", onset=0, cutoff="none", **options)
+    options = {"load": "20 kPa", **options}
+    return pair(*bodies, effective_modulus="80 GPa", onset=0, cutoff="none", **options)
 
 
 @pytest.mark.parametrize(

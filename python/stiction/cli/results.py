@@ -161,15 +161,16 @@ def export(
 
     A netCDF file contains the whole result, and a .csv file the values at --load or at the loads shown by `info`, for
     all fractal dimensions. The joint is a table of contact properties against pressure (--joint), or a card that
-    contains them. Between the computed loads, its values are interpolated unless --compute is given. For a shear test,
-    a .csv file contains the curve or, with --joint, the parameters of a joint model.
+    contains them. A card contains the whole closure curve, and one tangential stiffness, at --load. Between the
+    computed loads, the values of the joint are interpolated unless --compute is given. For a shear test, a .csv file
+    contains the curve or, with --joint, the parameters of a joint model.
     """
     from stiction.cli.result_output import open_result_with_warning
     from stiction.direct_shear import export_shear_test
     from stiction.evaluate.computed_loads import find_loads_without_values
     from stiction.solve.store import STUDY_FILE, load_shear_test
     from stiction.summary.joint_table import DEFAULT_JOINT_UNITS, FIRST_CONTACT_NOTE
-    from stiction.views.files import check_joint_file, choose_joint_parameters, is_card
+    from stiction.views.files import check_joint_file, choose_card_load, choose_joint_parameters, is_card
 
     chosen_units: Any = units
     # In the directory of a study, a file named like a stored shear test may be an export of the study.
@@ -193,7 +194,10 @@ def export(
             reject_options(context, "applies only to joint tables and cards", "compute")
         check_joint_file(file, DEFAULT_JOINT_UNITS if units is None else chosen_units)
         choose_joint_parameters(result, file, mu0, tau0)
-        result = _compute_joint(result, directory / JOINT_DIRECTORY, workers, loads, closure_from)
+        card_load = choose_card_load(result, loads) if is_card(file) else None
+        table_loads = None if is_card(file) else loads
+        result = _compute_joint(result, directory / JOINT_DIRECTORY, workers, table_loads, closure_from, card_load)
+        loads = loads if card_load is None else [card_load]
     else:
         reject_options(context, "requires --compute", "workers")
     # The export of a joint table or finite-element card prints its own warning about missing loads.
@@ -209,9 +213,10 @@ def export(
 
 
 def _compute_joint(
-    result: Result, directory: Path, workers: int | None, loads: list[float] | None, closure_from: str | None
-) -> Result:
-    """Compute a pair at the loads that its joint table needs and, if `loads` is given, at these loads (mN) as well.
+    result: Result, directory: Path, workers: int | None, loads: list[float] | None, closure_from: str | None,
+    card_load: float | None,
+) -> Result:  # fmt: skip
+    """Compute a pair at the loads of its joint table: all loads or `loads` (mN), `closure_from`, and `card_load` (mN).
 
     A result of another study in the directory is replaced.
     """
@@ -221,7 +226,8 @@ def _compute_joint(
 
     study, area = result.study, result.nominal_area
     start_load = None if closure_from is None else parse_closure_start(closure_from, study, area)
-    study = build_joint_study(study, area, loads, start_load)
+    further_loads = [load for load in (start_load, card_load) if load is not None]
+    study = build_joint_study(study, area, loads, *further_loads)
     with open_executor(workers, None) as executor:
         try:
             return compute_result_in_directory(study, directory, executor, onset=0)

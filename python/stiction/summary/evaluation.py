@@ -376,6 +376,7 @@ class Evaluation(MemberSums):
     def joint_table(
         self, load: str | ArrayLike | None = None, *, mu0: ArrayLike | None = None, tau0: str | ArrayLike | None = None,
         units: UnitSystem = DEFAULT_JOINT_UNITS, closure_from: str | float | None = None,
+        reference_load: str | float | None = None,
     ) -> JointTable:  # fmt: skip
         """Return the joint table of a measured pair: closure, stiffness, friction and true area at several pressures.
 
@@ -392,11 +393,14 @@ class Evaluation(MemberSums):
             Units of length, force and pressure.
         closure_from : str or float, mN, optional
             Load from which the closure is counted, "0.1 MPa". By default, the closure is counted from first contact.
+        reference_load : str or float, mN, optional
+            Load of `JointTable.reference`, added to the loads of the table; by default the lowest load of the pair.
 
         Raises
         ------
         ValueError
-            If the bodies were generated, no load has a closure, or `closure_from` is outside the computed loads.
+            If the bodies were generated, no load has a closure, or `closure_from` or `reference_load` is outside the
+            computed loads.
 
         Warns
         -----
@@ -421,6 +425,9 @@ class Evaluation(MemberSums):
         if closure_from is not None:
             start_load = parse_closure_start(closure_from, self.study, self.nominal_area)
             loads, start_load = add_load(np.atleast_1d(loads), start_load)
+        if reference_load is not None:
+            loads, reference_load = add_load(loads, float(self._to_forces(reference_load)))
+            given_loads.append(reference_load)
         friction = self.study.friction
         strengths: dict[str, Any] = {
             "mu0": friction.mu0[:1] if mu0 is None else mu0,
@@ -433,12 +440,12 @@ class Evaluation(MemberSums):
         missing_loads = [value for value in find_loads_without_values(self, at) if value in given_loads]
         if missing_loads:
             message = missing_loads_text(self, at, missing_loads)
-            if len(missing_loads) == len(set(given_loads)):
+            if len(missing_loads) == len(set(given_loads)) or reference_load in missing_loads:
                 raise ValueError(message)
             warn_caller(message)
         points = self.summarize_dataset(at).reported_points
         assessments = {float(point.at["load"]): point.assessment for point in points}
-        return build_joint_table(at, self.study, units, assessments, start_load)
+        return build_joint_table(at, self.study, units, assessments, start_load, reference_load)
 
     # ---- Reported values ---------------------------------------------------------------------------------------------
 

@@ -149,7 +149,7 @@ class JointTable:
         By ascending pressure.
     units : JointUnits
     reference : JointRow
-        Row at the load of the pair, or at the first of several loads.
+        Row at the load given as `reference_load`, by default the lowest load of the pair.
     mu0, tau0 : float
         mu0 and tau0 (GPa) for which the friction was computed.
     sliding : str
@@ -216,28 +216,29 @@ def add_load(loads: Floats, load: float) -> tuple[Floats, float]:
 
 
 def build_joint_study(
-    study: Study, nominal_area: float | None, loads: Sequence[float] | None = None, closure_from: float | None = None
+    study: Study, nominal_area: float | None, loads: Sequence[float] | None = None, *further_loads: float
 ) -> Study:
-    """Return a copy of a measured pair's study with the loads of the joint table.
+    """Return a copy of a measured pair's study with the loads of the joint table and `further_loads` (mN).
 
-    If `loads` (mN) are given, the copy has these loads and the computed loads of the study instead. `closure_from` (mN)
-    is a further load, from which the closure is counted.
+    If `loads` (mN) are given, the copy has these loads and the computed loads of the study instead.
     """
     table_loads = choose_joint_loads(study, nominal_area)
     if loads is not None:
         table_loads = np.unique([*study.contact.loading_steps(), *loads])
-    if closure_from is not None:
-        table_loads, _ = add_load(table_loads, closure_from)
+    for load in further_loads:
+        table_loads, _ = add_load(table_loads, load)
     return study.with_changes({"contact.load": [f"{load!r} mN" for load in table_loads.tolist()]})
 
 
 def build_joint_table(
-    at: xarray.Dataset, study: Study, units: str, assessments: Mapping[float, str], closure_from: float | None = None
-) -> JointTable:
+    at: xarray.Dataset, study: Study, units: str, assessments: Mapping[float, str], closure_from: float | None = None,
+    reference_load: float | None = None,
+) -> JointTable:  # fmt: skip
     """Build a measured pair's joint table from a dataset that `Result.at` returned, for the first mu0 and first tau0.
 
     `assessments` contains the assessment of the coefficient at each load (mN). Loads at which the pair has no closure
     are omitted. `closure_from` is the load (mN) from which the closure is counted, by default 0 (first contact).
+    `reference_load` is the load (mN) of `JointTable.reference`, by default the lowest load of the study.
 
     Raises
     ------
@@ -277,8 +278,8 @@ def build_joint_table(
         rows.append(JointRow(load, bool(np.isin(load, steps)), estimates, assessments[load]))
     if not rows:
         raise ValueError("a joint table needs the closure of the pair, which is unknown at all loads of the table")
-    first_load = float(study.friction.load[0])
-    reference = min(rows, key=lambda row: abs(math.log(row.load / first_load)))
+    reference_load = float(study.friction.load[0]) if reference_load is None else reference_load
+    reference = min(rows, key=lambda row: abs(math.log(row.load / reference_load)))
     start_pressure = parsed_units.convert(start_pressure)
     notes = (
         *_describe_definitions(study, at, start_pressure),

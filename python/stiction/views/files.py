@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stiction._arguments import convert_friction_parameters
+from stiction._arguments import convert_friction_parameters, split_texts
 from stiction._errors import ArgumentError
 from stiction._files import check_creatable, check_replaceable, create_file_atomically, replace_file_atomically
 from stiction._number_format import format_with_unit
 from stiction._text import printable_path
+from stiction._units import loads_to_core_units
 from stiction.summary.evaluation import Evaluation
 from stiction.summary.joint_table import DEFAULT_JOINT_UNITS, JointTable, JointUnits, UnitSystem
 from stiction.summary.summary import Summary
@@ -115,7 +116,11 @@ def write_result(result: Evaluation, path: Path) -> None:
 
     Raises a `ValueError` if the file exists, if it cannot be written, or if the extension is not in `EXPORT_WRITERS`.
     """
-    check_file_extension(path, {extension: description for extension, (description, _) in EXPORT_WRITERS.items()})
+    check_file_extension(
+        path,
+        {extension: description for extension, (description, _) in EXPORT_WRITERS.items()}
+        | {extension: f"a card for {program}" for extension, (program, _) in CARD_FORMATS.items()},
+    )
     EXPORT_WRITERS[path.suffix.lower()][1](result, path)
 
 
@@ -135,14 +140,16 @@ def write_joint_table(
 ) -> None:  # fmt: skip
     """Write joint tables to a new file, one for each mu0 and tau0, or one table as an input card for another program.
 
-    `load` contains the loads, by default all, and `closure_from` is the load from which the closure is counted, by
-    default 0 (first contact). Raises a `ValueError` as `write_result` does, if the result has no joint table, or if
-    there are several mu0 or tau0 for a card.
+    `load` contains the loads of the tables, by default all. A card contains all loads; `load` is the load of the
+    coefficient and stiffnesses that a card contains once. `closure_from` is the load from which the closure is counted,
+    by default 0 (first contact). Raises a `ValueError` as `write_result` does, if the result has no joint table, or if
+    there are several loads, mu0 or tau0 for a card.
     """
     check_joint_file(path, units)
     mu0_values, tau0_values = choose_joint_parameters(result, path, mu0, tau0)
+    loads = {"reference_load": choose_card_load(result, load)} if is_card(path) else {"load": load}
     tables = [
-        result.joint_table(load, mu0=mu0_value, tau0=tau0_value, units=units, closure_from=closure_from)
+        result.joint_table(mu0=mu0_value, tau0=tau0_value, units=units, closure_from=closure_from, **loads)
         for mu0_value in mu0_values
         for tau0_value in tau0_values
     ]
@@ -180,6 +187,28 @@ def choose_joint_parameters(
                 f"{', '.join(format_with_unit(value, unit) for value in values)}"
             )
     return mu0_values, tau0_values
+
+
+def choose_card_load(result: Evaluation, load: Any = None) -> float | None:
+    """Return the load (mN) of the coefficient and stiffnesses that a card contains once.
+
+    The load is the given load or, by default, the load of the study. For generated surfaces, which have no card, the
+    result is None.
+
+    Raises a `ValueError` if there are several loads.
+    """
+    area = result.nominal_area
+    if area is None or not result.study.is_measured:
+        return None
+    given_loads = result.default_loads if load is None else loads_to_core_units("load", split_texts("load", load), area)
+    loads = np.unique(given_loads).tolist()
+    if len(loads) != 1:
+        pressures = [format_with_unit(value / area, "GPa") for value in loads]
+        raise ArgumentError(
+            "{load} must be a single load for a card, which has one tangential stiffness for all pressures; choose one "
+            f"of {', '.join(pressures)}"
+        )
+    return float(loads[0])
 
 
 SHEAR_PARAMETER_FORMATS = {".csv": ("a table", shear_parameters_csv), ".json": ("a table", shear_parameters_json)}
