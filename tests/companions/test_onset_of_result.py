@@ -19,6 +19,7 @@ from stiction import (
     self_affine_surface,
 )
 from stiction._estimate import Estimate
+from stiction._number_format import format_with_unit
 from stiction.companions.onset import (
     ONSET_FILE,
     TRACTION_TOLERANCE,
@@ -223,6 +224,14 @@ def test_onset_table_and_json_record_have_equal_displacements(onset):
         (name,) = (name for name in rows if name.startswith("pre-sliding displacement"))
         value = float(rows[name].split()[0]) * {"nm": 1e-3, "µm": 1.0, "mm": 1e3}[name.split("(")[1][:-1]]
         assert value == pytest.approx(scale * record["displacement_at_sliding"]["value"], rel=0.1)
+
+
+def test_onset_text_states_its_load_if_the_study_has_several_loads(study, onset):
+    values = read_onset_summary(onset)
+    assert "at a load of" not in onset_text(values, study)
+    loads = [f"{factor * values.load!r} mN" for factor in (1, 1.5)]
+    study_of_loads = study.with_changes({"friction.load": loads, "contact.load": loads})
+    assert onset_text(values, study_of_loads).endswith(f"(at a load of {format_with_unit(values.load, 'mN')}).")
 
 
 def test_onset_text_states_the_sliding_rule_of_the_onset_if_the_interface_has_another_rule(study, onset):

@@ -509,6 +509,9 @@ def test_quotable_sentence_states_the_hardness_with_its_range(input_range, expec
 def test_quotable_sentence_states_the_number_of_surrogate_pairs():
     point = summarize(measured_result(members=16), measured_study(press="surrogates")).points[0]
     assert "16 pairs of surrogates (random surfaces with these spectra)" in quotable_sentence(point)
+    study = measured_study().with_changes({"surfaces.surrogates": 8, "ensemble.repetitions": 24})
+    point = summarize(measured_result(members=16), study).points[0]
+    assert "16 positions (without the 8 pairs of surrogates, which the report lists)" in quotable_sentence(point)
     assert "random" not in quotable_sentence(summarize(measured_result(members=16), measured_study()).points[0])
 
 

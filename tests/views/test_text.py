@@ -130,13 +130,13 @@ def test_result_text_has_one_line_for_each_combination_of_load_mu0_and_tau0():
     assert "with μ0 = 0.2, E* = 100 GPa" in " ".join(lines[5:7])
 
 
-def test_caveat_that_applies_to_some_loads_states_the_number_of_these_loads():
+def test_caveat_that_applies_to_one_of_several_loads_states_this_load():
     dataset = measured_result(loads=(1.0, 10.0))
     dataset["share_at_edge"].loc[{"load": 1.0}] = 0.6
     text = result_text(summarize(dataset, measured_study()))
     assert "Do not quote" in text.splitlines()[1]
     assert "Quote it" in text.splitlines()[2]
-    assert "edge (1 of 2)" in " ".join(text.split())
+    assert "edge (1 of 2: 100 kPa)" in " ".join(text.split())
 
 
 def test_assessment_lists_a_remedy_only_if_the_remedy_would_change_the_printed_interval():

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
+from stiction._number_format import format_with_unit
 from stiction.evaluate.combined_intervals import (
     LOWER_SCANS_INPUT_NAME,
     POSITIONS_INPUT_NAME,
@@ -17,6 +19,7 @@ from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, SPIKES_A
 from stiction.summary.assessment import ASSESSMENTS_BY_SEVERITY, WIDE_INTERVAL_CHECK_NAME, Caveat
 from stiction.summary.summary import POSSIBLE_NOISE_INPUT_NAME, PointSummary
 from stiction.views.layout import Paragraph, ShortenedList, WrappedText
+from stiction.views.point import point_load_text
 
 COMPLETE_OUTPUT_METHOD = "summary()"
 MAX_CAVEAT_GROUPS = 6
@@ -40,8 +43,13 @@ def assessment_paragraph(
             ShortenedList(caveat_lines, max(num_faults, 1), None, max_lines, "caveat", complete_command),
         ]
     groups = _group_similar_caveats(points)
-    num_fault_groups = sum(group[0].severity == "fault" for group in groups)
-    group_lines = [_caveat_line(_merge_caveats(group), f" ({len(group)} of {len(points)})") for group in groups]
+    num_fault_groups = sum(group[0][1].severity == "fault" for group in groups)
+    group_lines = [
+        _caveat_line(
+            _merge_caveats([caveat for _, caveat in group]), _count_text([point for point, _ in group], points)
+        )
+        for group in groups
+    ]
     max_shown = max_groups if max_lines is None else None
     return [
         f"{count_assessments_text(points)}.",
@@ -76,12 +84,31 @@ def count_assessments_text(points: Sequence[PointSummary]) -> str:
     return ", ".join(f"{text} ({count} of {len(points)})" for text, count in count_assessments(points).items())
 
 
-def _group_similar_caveats(points: Sequence[PointSummary]) -> list[list[Caveat]]:
-    """Group caveats that have the same severity, and the same text except for numbers. Faults come first."""
-    groups: dict[tuple[str, str], list[Caveat]] = {}
-    for caveat in (caveat for point in points for caveat in point.caveats):
-        groups.setdefault((caveat.severity, _CAVEAT_NUMBER_PATTERN.sub("", caveat.text)), []).append(caveat)
-    return sorted(groups.values(), key=lambda group: group[0].severity != "fault")
+def _count_text(affected_points: Sequence[PointSummary], points: Sequence[PointSummary]) -> str:
+    """Return the number of result points that have a caveat, as in " (2 of 4)".
+
+    The load of a single point follows, as in " (1 of 4: 10 MPa)", if the points have several loads.
+    """
+    load_text = ""
+    if len(affected_points) == 1 and len({point.at["load"] for point in points}) > 1:
+        (point,) = affected_points
+        has_pressure = math.isfinite(point.nominal_pressure)
+        load_text = format_with_unit(point.nominal_pressure, "GPa") if has_pressure else point_load_text(point)
+        load_text = f": {load_text}"
+    return f" ({len(affected_points)} of {len(points)}{load_text})"
+
+
+def _group_similar_caveats(points: Sequence[PointSummary]) -> list[list[tuple[PointSummary, Caveat]]]:
+    """Group caveats that have the same severity, and the same text except for numbers. Faults come first.
+
+    Each caveat comes with its result point.
+    """
+    groups: dict[tuple[str, str], list[tuple[PointSummary, Caveat]]] = {}
+    for point in points:
+        for caveat in point.caveats:
+            group_key = caveat.severity, _CAVEAT_NUMBER_PATTERN.sub("", caveat.text)
+            groups.setdefault(group_key, []).append((point, caveat))
+    return sorted(groups.values(), key=lambda group: group[0][1].severity != "fault")
 
 
 _CAVEAT_NUMBER_PATTERN = re.compile(r"(\d+(?:\.\d+)?(?:e[+-]?\d+)?)( ?(?:%|(?:[kMGmµn]?(?:Pa|N|m|m²)\b))?)")

@@ -20,8 +20,11 @@ QUOTED_TANGENTIAL_LOAD_FRACTION = 0.5
 CYCLE_AMPLITUDES = (0.5, 0.9)
 
 
-def onset_text(onset: OnsetSummary) -> str:
-    """Return a sentence on the onset of sliding: pre-sliding displacement, slipping fraction and initial stiffness."""
+def onset_text(onset: OnsetSummary, study: Study | None = None) -> str:
+    """Return a sentence on the onset of sliding: pre-sliding displacement, slipping fraction and initial stiffness.
+
+    The sentence states the normal load if the study has several loads.
+    """
     phrases = []
     displacement = onset.displacement_at_sliding.in_prefixed_unit()
     if math.isfinite(displacement.value):
@@ -32,6 +35,8 @@ def onset_text(onset: OnsetSummary) -> str:
     if math.isfinite(stiffness.value):
         phrases.append(f"initial tangential stiffness {stiffness.text()} {stiffness.unit}")
     text = "; ".join(phrases)
+    if study is not None and len(study.friction.load) > 1:
+        text += f" (at a load of {format_with_unit(onset.load, 'mN')})"
     return text[0].upper() + text[1:] + "."
 
 
@@ -97,8 +102,8 @@ def onset_paragraph(onset: OnsetSummary, study: Study, *, verbose: bool) -> Para
     if not verbose:
         is_reported_rule = list_rules_with_reported_first(study)[0] == "all"
         rule_text = "" if is_reported_rule else " These values assume friction at all contacts."
-        return [onset_text(onset) + rule_text + _law_text(study)]
-    return [f"{onset_text(onset)} {onset_note(onset, study)}", Table(onset_rows(onset))]
+        return [onset_text(onset, study) + rule_text + _law_text(study)]
+    return [f"{onset_text(onset, study)} {onset_note(onset, study)}", Table(onset_rows(onset))]
 
 
 def onset_record(onset: OnsetSummary) -> dict[str, Any]:

@@ -85,9 +85,10 @@ def _coefficient_text(value: float) -> str:
 
 
 def cut_off_note(resolution: ResolutionEffect, study: Study) -> str:
-    """Return a note on a table of friction at cutoffs: number of surface pairs, meaning of the plastic limit."""
+    """Return a note on a table of friction at cutoffs: surface pairs, load, meaning of the plastic limit."""
     count_text = study.member_names.with_count(resolution.members)
-    text = f"The surfaces are low-pass filtered at the cutoff; means over {count_text}."
+    load_text = format_with_unit(resolution.cutoffs[0].at["load"], "mN")
+    text = f"The surfaces are low-pass filtered at the cutoff; means over {count_text}, at a load of {load_text}."
     if resolution.plastic_limit is not None:
         text += (
             " If small contacts are as hard as large ones, no finer scan gives less than the plastic limit. With "

@@ -12,7 +12,7 @@ from stiction.evaluate.point import get_contact_law_name, has_limited_pressure
 from stiction.mechanics.closed_forms import DEFAULT_KAPPA
 from stiction.study.input_distributions import SLIP_LINE_TEXT, UncertainInput
 from stiction.study.inputs import Inputs, find_interface
-from stiction.study.member_names import POSITION_NAMES
+from stiction.study.member_names import POSITION_NAMES, SURROGATE_PAIR_NAMES
 from stiction.study.moduli import find_default_area_loss
 from stiction.summary.assessment import estimate_size_effect
 from stiction.summary.summary import PointSummary, Summary, has_central_value
@@ -329,6 +329,8 @@ def _averaged_members_text(point: PointSummary) -> str:
     # For maps with positions and surrogates, a result point is the mean over the positions only.
     names = study.member_names if study.surfaces.press != "areas" else POSITION_NAMES
     explanation = " (random surfaces with these spectra)" if study.surfaces.press == "surrogates" else ""
+    if num_surrogates := getattr(study.surfaces, "surrogates", 0) if study.surfaces.press == "areas" else 0:
+        explanation = f" (without the {SURROGATE_PAIR_NAMES.with_count(num_surrogates)}, which the report lists)"
     return f"{point.members:.0f} {names[1]}{explanation}"
 
 

@@ -167,7 +167,9 @@ def _summary_markup(summary: Summary) -> str:
     if summary.resolution is not None and summary.resolution.roughness is not None:
         lines.append(resolved_wavelengths_text(summary.resolution.roughness))
     if summary.onset_values is not None:
-        lines.append(f"{onset_text(summary.onset_values)} {onset_note(summary.onset_values, summary.study)}")
+        lines.append(
+            f"{onset_text(summary.onset_values, summary.study)} {onset_note(summary.onset_values, summary.study)}"
+        )
     if summary.study.contact.adheres and (pull_off_values := summary.points[0].pull_off) is not None:
         lines.append(pull_off_text(pull_off_values))
     return "".join(f"<p>{escape_html(line)}</p>" for line in lines)
