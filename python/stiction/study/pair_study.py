@@ -796,7 +796,7 @@ class MeasuredPair:
 
     @property
     def _can_yield_by_slip_lines(self) -> bool:
-        """Return whether slip-line theory may describe the softer body, because it is a metal, a polymer or unnamed.
+        """True if slip-line theory may apply, because the softer body is a metal, a polymer or unnamed.
 
         A given hardness may belong to either of two named materials.
         """

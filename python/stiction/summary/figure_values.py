@@ -107,7 +107,7 @@ class FrictionOverDimension:
 
 
 def iterate_motions(result: Evaluation) -> Iterator[tuple[str, Evaluation]]:
-    """For each sliding rule and direction of motion, yield a suffix for file names and the part of the result."""
+    """Yield, for each sliding rule and direction of motion, a suffix for file names and the part of the result."""
     dims = [dim for dim in ("sliding", "direction") if dim in result.head.dims]
     if not dims:
         yield "", result

@@ -296,7 +296,7 @@ class _FilterKernel:
 
 
 def _fit_local_lines(heights: Floats, axis: int, cutoff_in_points: float, samples_weights: bool) -> Floats:
-    """At each point, fit a line to nearby heights along an axis, with Gaussian weights; return the fitted height."""
+    """Fit a line, with Gaussian weights, to nearby heights along an axis at each point; return the fitted heights."""
     from scipy.fft import irfft, rfft
 
     kernel = _FilterKernel(heights.shape[axis], cutoff_in_points, samples_weights)
@@ -321,7 +321,7 @@ def _fit_local_polynomials(
     heights: Floats, weights: Floats, cutoffs_in_points: Sequence[float], basis: Sequence[MonomialExponents],
     samples_weights: bool = False,
 ) -> Floats:  # fmt: skip
-    """At each point, fit a polynomial to nearby heights, with weights; return the fitted height at the point.
+    """Fit a weighted polynomial to nearby heights at each point; return the fitted heights at all points.
 
     The weights are Gaussian weights times `weights`.
     """

@@ -90,7 +90,7 @@ class PowerLawFit:
 
 
 def _fit_exponents(log_q: Floats, power: Floats) -> Floats:
-    """For each row of weighted spectral powers, return the exponent s of the power law P ∝ q^-s that fits best."""
+    """Return, for each row of weighted spectral powers, the exponent s of the power law P ∝ q^-s that fits best."""
     exponents = np.zeros(len(power))
     unconverged_rows = np.arange(len(power))
     # Newton's method converges, because the loss is a convex log-sum-exp function.

@@ -165,7 +165,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
 
 
 def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[Floats]) -> Floats:
-    """At each point, divide two deviations of the height by their typical values; return the smaller ratio.
+    """Divide two deviations of each height by their typical values; return the smaller ratio at each point.
 
     A ratio that is NaN is ignored.
     """
@@ -241,7 +241,7 @@ def _find_neighbour_deviations(
 def _compute_deviations_from_neighbours(
     heights: Floats, remaining_heights: Floats
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """For each height, return two deviations from neighbours, and whether the point is at an edge of the data.
+    """Return, for each height, two deviations from neighbours, and whether the point is at an edge of the data.
 
     The first measure compares a height with means of opposite neighbours, and the second with lines through two
     neighbours on one side. Deviations are NaN at points with too few measured neighbours. Maps are evaluated in strips
@@ -263,7 +263,7 @@ def _compute_deviations_from_neighbours(
 def _compute_deviations_in_strip(
     heights: Floats, padded_heights: Floats, reach: int
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """For each height in a strip, return two deviations from neighbours, and whether it is at an edge of the data.
+    """Return, for each height in a strip, two deviations from neighbours, and whether it is at an edge of the data.
 
     A strip is a range of map rows, or a whole profile.
     """
@@ -301,7 +301,7 @@ def _compute_deviations_in_strip(
 
 
 def _find_smallest(values: list[Floats], kept_count: int) -> list[Floats]:
-    """At each point, return the `kept_count` smallest of the numbers in several arrays, in ascending order.
+    """Return, at each point, the `kept_count` smallest of the numbers in several arrays, in ascending order.
 
     NaN is replaced by infinity.
 
@@ -319,7 +319,7 @@ def _find_smallest(values: list[Floats], kept_count: int) -> list[Floats]:
 
 
 def _compute_finite_median(values: list[Floats], min_count: int) -> Floats:
-    """At each point, return the median of the numbers in several arrays, without NaN and infinity.
+    """Return, at each point, the median of the numbers in several arrays, without NaN and infinity.
 
     Returns NaN for fewer than `min_count`.
     """

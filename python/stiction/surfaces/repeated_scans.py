@@ -346,7 +346,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
     )
 
     def sum_products(power_of_a: int, power_of_b: int) -> Floats:
-        """For each shift of b, sum a^`power_of_a` · b^`power_of_b` over the points where heights a and b overlap."""
+        """Sum, for each shift of b, a^`power_of_a` · b^`power_of_b` over the points where heights a and b overlap."""
         return np.asarray(irfftn(transforms_of_a[power_of_a] * np.conj(transforms_of_b[power_of_b]), shape))
 
     count = np.maximum(np.rint(sum_products(0, 0)), 1)

@@ -101,22 +101,22 @@ class ScaleDependentRoughness(TextReprMixin):
     dimensions: int
 
     def gradient_at(self, wavelength: ArrayLike) -> Floats:
-        """For each given wavelength (µm), return the rms slope due to this and all longer wavelengths.
+        """Return, for each given wavelength (µm), the rms slope due to this and all longer wavelengths.
 
         The result is constant below the shortest wavelength of the body.
         """
         return _interpolate_log_log(self.wavelength, self.gradient, wavelength)
 
     def curvature_at(self, wavelength: ArrayLike) -> Floats:
-        """For each given wavelength (µm), return the rms curvature (1/µm) due to this and all longer wavelengths."""
+        """Return, for each given wavelength (µm), the rms curvature (1/µm) due to this and all longer wavelengths."""
         return _interpolate_log_log(self.wavelength, self.curvature, wavelength)
 
     def fraction_below(self, wavelength: ArrayLike) -> Floats:
-        """For each given wavelength (µm), return the fraction of the mean square slope due to shorter wavelengths."""
+        """Return, for each given wavelength (µm), the fraction of the mean square slope due to shorter wavelengths."""
         return np.asarray(1 - np.square(self.gradient_at(wavelength) / self.gradient[-1]))
 
     def continued(self, wavelength: ArrayLike, estimate: HurstEstimate) -> Floats:
-        r"""For each given wavelength (µm), return the rms slope due to this and longer ones, extrapolated if needed.
+        r"""Return, for each given wavelength (µm), the rms slope due to this and longer ones, extrapolated if needed.
 
         The power law of `estimate` adds the wavelengths that are too short for the scan.
 
@@ -550,7 +550,7 @@ def line_spectra(body: Profile | Surface, periodic: bool) -> list[LineSpectrum]:
 
 
 def _count_independent_lines(transform: NDArray[np.complex128], *, periodic: bool) -> Floats:
-    """For each wave number along the lines, estimate how many lines of a map are statistically independent.
+    """Estimate, for each wave number along the lines, how many lines of a map are statistically independent.
 
     The mean spectrum over the lines has the relative variance sum(P²)/sum(P)², where P are the powers of the wave
     vectors across the lines. Lines along straight grooves are copies of each other and count as one line. The factor 2

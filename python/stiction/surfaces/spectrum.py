@@ -94,7 +94,7 @@ class PowerSpectrum(PlotReprMixin):
 
 
 def _average_in_bins(per_decade: int, q: Floats, density: Floats, count: Floats) -> tuple[Floats, Floats, Floats]:
-    """For each bin of a spectrum, return the mean wave number, the mean density and the number of harmonics."""
+    """Return, for each bin of a spectrum, the mean wave number, the mean density and the number of harmonics."""
     # The margin 1e-9 prevents round-off from moving a harmonic at the lower limit of a bin into the bin below.
     _, index = np.unique(np.floor(per_decade * np.log10(q / q[0]) + 1e-9), return_inverse=True)
     total_count = np.bincount(index, count).astype(np.float64)

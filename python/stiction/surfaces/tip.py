@@ -124,7 +124,7 @@ def _erode_by_tip(heights: Floats, spacing: Floats, radius: float) -> Floats:
 def _iterate_tip_offsets(
     shape: tuple[int, ...], spacing: Floats, radius: float, max_tip_height: float
 ) -> Iterator[tuple[tuple[slice, ...], tuple[slice, ...], float]]:
-    """For each offset from the tip's lowest point, yield array slices and the height (µm) of the tip at this offset.
+    """Yield, for each offset from the tip's lowest point, array slices and the height (µm) of the tip at this offset.
 
     The first slices select the points, the second their neighbours at the offset.
     """

@@ -206,7 +206,7 @@ def default_friction_parameters_text(study: Study, *, mu0: bool, tau0: bool) -> 
 def interpolation_text(
     neighbours: Mapping[float, tuple[float, float]], points: Sequence[PointSummary], nominal_area: float | None
 ) -> str:
-    """For each interpolated load, return a sentence on the assessments at the next smaller and larger computed load.
+    """Return, for each interpolated load, a sentence on the assessments at the next smaller and larger computed load.
 
     `neighbours` contains the two computed loads by interpolated load (mN), and `points` all result points at computed
     loads.
@@ -231,7 +231,7 @@ def interpolation_text(
 def interpolation_records(
     neighbours: Mapping[float, tuple[float, float]], points: Sequence[PointSummary]
 ) -> list[dict[str, Any]]:
-    """For each interpolated load, return a JSON object: the neighbouring computed loads and their assessments."""
+    """Return, for each interpolated load, a JSON object: the neighbouring computed loads and their assessments."""
     return [
         {
             "load": load,

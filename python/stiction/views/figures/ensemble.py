@@ -176,7 +176,7 @@ def format_fractal_dimension_axis(axes: Axes, points: xarray.Dataset, *, last: b
 
 
 def find_fraction_beyond_hertz(points: xarray.Dataset, name: str = "friction_coefficient") -> Floats:
-    """For each result point, return the fraction of the load on contacts that are pressed too deep for Hertz theory.
+    """Return, for each result point, the fraction of the load on contacts that are pressed too deep for Hertz theory.
 
     The fraction is NaN in the half-space model, which has no asperities.
     """

@@ -133,7 +133,7 @@ def _create_report_arrays(values: ReportValuesOfGeneratedSurfaces) -> dict[str, 
 
 
 def _caveat_number_arrays(values: ReportValuesOfGeneratedSurfaces) -> dict[str, ReportArray]:
-    """For each number that caveats state, return an array of this number at all result points.
+    """Return, for each number that caveats state, an array of this number at all result points.
 
     The array is NaN at points without this caveat.
     """
@@ -166,13 +166,13 @@ def _quantity_record(name: str, study: Study) -> dict[str, Any]:
 
 
 def _relative_half_widths(points: Floats) -> Floats:
-    """For each interval, return half its width, divided by the absolute value of the mean."""
+    """Return, for each interval, half of its width divided by the absolute value of the mean."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray((points[..., 2] - points[..., 1]) / (2 * np.abs(points[..., 0])))
 
 
 def _compute_colour_ranges(values: ReportValuesOfGeneratedSurfaces) -> dict[str, tuple[Floats, Floats]]:
-    """For each quantity that has positive values, return the limits of the colour scale.
+    """Return, for each quantity that has positive values, the limits of the colour scale.
 
     The axes of the arrays are amplitude, rule, motion, mu0 and tau0.
     """

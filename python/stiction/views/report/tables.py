@@ -88,7 +88,7 @@ class NumberArray:
 
 
 def find_format_indices(values: Floats, formats: Sequence[NumberFormat]) -> NDArray[np.int8]:
-    """For each number, return the index in `formats` of the format that `format_number` selects."""
+    """Return, for each number, the index in `formats` of the format that `format_number` selects."""
     sizes = np.where(np.isnan(values) | (values == 0), 1.0, np.abs(values))
     minima = MIN_NUMBER_ROUNDED_TO_ONE * np.array([item.minimum for item in reversed(formats)])
     return (len(minima) - np.searchsorted(minima, sizes, side="right")).astype(np.int8)
