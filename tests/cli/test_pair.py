@@ -1057,6 +1057,16 @@ def test_json_output_of_every_command_gives_each_value_with_its_interval_and_uni
     assert list(point["scans"]) == list(point["cutoffs"]) == ["upper_body", "lower_body"]
 
 
+@pytest.mark.parametrize("is_given", [False, True])
+def test_inputs_in_the_output_name_the_material_whose_hardness_comes_from_the_table(scans_directory, is_given):
+    options = [*STEEL_ON_BRASS_OPTIONS, *LOAD_OPTION, "--shifts", 2, "--onset", 0, "--output", f"table{is_given}"]
+    options += ["--hardness", "1.5 GPa"] if is_given else []
+    completed = check_stiction(
+        "pair", *MAP_ARGUMENTS, *options, cwd=scans_directory, without_figures=True, without_report=True
+    )
+    assert ("from the table for brass" in " ".join(completed.stdout.split())) != is_given
+
+
 def test_pair_command_reports_onset_of_sliding(directory_options_and_record):
     directory, arguments, record = directory_options_and_record
     onset = record["onset"]

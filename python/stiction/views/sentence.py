@@ -11,7 +11,7 @@ from stiction._number_format import format_percent, format_significant, format_t
 from stiction.evaluate.point import get_contact_law_name, has_limited_pressure
 from stiction.mechanics.closed_forms import DEFAULT_KAPPA
 from stiction.study.input_distributions import SLIP_LINE_TEXT, UncertainInput
-from stiction.study.inputs import Inputs, find_interface
+from stiction.study.inputs import Inputs, find_interface, find_material_of_hardness, find_materials
 from stiction.study.member_names import POSITION_NAMES, SURROGATE_PAIR_NAMES
 from stiction.study.moduli import find_default_area_loss
 from stiction.summary.assessment import estimate_size_effect
@@ -152,7 +152,8 @@ def inputs_text(point: PointSummary, points: Sequence[PointSummary] = ()) -> str
     items.append(f"E* = {format_with_unit(point.effective_modulus, 'GPa')}")
     hardness = study.contact.hardness
     if hardness is not None:
-        items.append(f"hardness {format_with_unit(float(hardness), 'GPa')}{_hardness_range_text(study)}")
+        value_text = f"{format_with_unit(float(hardness), 'GPa')}{_hardness_range_text(study)}"
+        items.append(f"hardness {value_text}{_hardness_source_text(study)}")
         if study.contact.indent is not None:
             items.append(contact_hardness_text(points or [point], float(study.contact.indent)))
         if (growth := study.contact.junction_growth) is not None:
@@ -254,6 +255,16 @@ def possible_zeros_text(interface: InterfaceStrength, conjunction: str) -> str:
     """
     symbols = {"mu0": "μ0", "tau0": "τ0"}
     return conjunction.join(f"{symbols[name]} = 0" for name in interface.possible_zeros)
+
+
+def _hardness_source_text(study: Study) -> str:
+    """Return the material whose hardness in the table of materials is used, or "" if the user gives a hardness."""
+    hardness = Inputs.from_study(study).estimate("hardness")
+    softer_material = None if hardness is None else find_material_of_hardness(hardness, find_materials(study))
+    if hardness is None or softer_material is None or softer_material.hardness is None:
+        return ""
+    is_from_table = (hardness.low, hardness.high) == (softer_material.hardness.low, softer_material.hardness.high)
+    return f" from the table for {softer_material.name}" if is_from_table else ""
 
 
 def _hardness_range_text(study: Study) -> str:
