@@ -37,6 +37,7 @@ def info(
     from stiction.cli.result_output import open_result_with_warning, print_result, print_result_json, print_sentences
     from stiction.result import Result
     from stiction.solve.store import open_stored_result
+    from stiction.study.member_names import MIXED_MEMBER_NAMES, POSITION_NAMES, SURROGATE_PAIR_NAMES
     from stiction.study.study import Study, find_section_differences
     from stiction.views.layout import wrap_text
 
@@ -61,7 +62,15 @@ def info(
             print_output(wrap_text(f"{'' if index else 'study':<13}{line}", hanging_indent=" " * 15))
     elif verbose:
         print_output(study.to_toml())
-    print_output(f"{study.member_names.plural:<11}  {num_finished} of {study.ensemble.repetitions} finished")
+    kinds_text = ""
+    if study.is_measured and study.member_names == MIXED_MEMBER_NAMES:
+        surfaces: Any = study.surfaces
+        num_surrogates = surfaces.first_scan_member_index
+        position_text = POSITION_NAMES.with_count(study.ensemble.repetitions - num_surrogates)
+        kinds_text = f": {SURROGATE_PAIR_NAMES.with_count(num_surrogates)}, then {position_text}"
+    print_output(
+        f"{study.member_names.plural:<11}  {num_finished} of {study.ensemble.repetitions} finished{kinds_text}"
+    )
     print_output(
         f"size         {stored_result.total_file_size / 2**20:.1f} MiB, computed by stiction {stored_result.version}"
     )
