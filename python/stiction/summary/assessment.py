@@ -615,7 +615,7 @@ def _is_hardened(point: xarray.Dataset, study: Study) -> bool:
 
 
 class SizeEffect(NamedTuple):
-    """Indentation size effect that a study neglects, for a typical length h*.
+    """Indentation size effect (harder small contacts) that a study neglects, estimated with a typical length h*.
 
     Attributes
     ----------
@@ -633,7 +633,7 @@ class SizeEffect(NamedTuple):
 
 
 def estimate_size_effect(point: xarray.Dataset, study: Study) -> SizeEffect | None:
-    """Estimate the size effect of contacts whose hardness was measured at an unknown depth.
+    """Estimate how much harder small metal contacts are than a hardness from an indentation of unknown depth.
 
     Returns None if the contacts have no size effect, or if the study includes it.
     """

@@ -470,7 +470,7 @@ class Evaluation(MemberSums):
         return self.summarize_dataset(self.at(load, mu0=mu0, tau0=tau0, budget=True))
 
     def summary_at(self, loads: ArrayLike, mu0: float, tau0: float) -> Summary:
-        """Summarize the result at loads (mN), for a mu0 and a tau0 (GPa) that were fitted to friction tests.
+        """Summarize the result at given loads (mN), for one mu0 and one tau0 (GPa) that were fitted to friction tests.
 
         `summary` also accepts texts with units, and warns if the unit of tau0 is probably wrong.
         """

@@ -90,7 +90,7 @@ def find_range_caveats(strength: InterfaceStrength, inputs: Inputs, pair_checksu
 
 
 def _find_size_effect_difference(strength: InterfaceStrength, inputs: Inputs) -> Iterator[Caveat]:
-    """Yield a caveat if only the pair, or only the tests of its interface, have the size effect of small contacts."""
+    """Yield a caveat if only the pair, or only its friction tests, include the size effect of small contacts."""
     tested_names = {name.partition(" ")[0] for name in strength.fits[0].scores}
     tested_names |= {name for name, _ in strength.exact_inputs}
     if "hardness" not in tested_names or "yield_exponent" not in inputs.entries:

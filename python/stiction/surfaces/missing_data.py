@@ -175,7 +175,7 @@ def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[F
 
 @dataclass(frozen=True, eq=False)
 class _NeighbourDeviations:
-    """Deviations of heights from neighbours: median of a scan, and each point's deviation divided by this median.
+    """Deviations of heights from neighbours: the median deviation in a scan, and each deviation divided by it.
 
     Edge points have a different median than other points.
     """

@@ -622,7 +622,7 @@ class _NoiseAndTexture(NamedTuple):
 def _find_noise_and_texture(
     q: Floats, density: Floats, count: Floats, spacing: float, *, periodic: bool, textured: bool
 ) -> _NoiseAndTexture:
-    """Find in a spectrum along lines the period of a texture, and the wavelength below which noise dominates."""
+    """Find the period of a texture in a spectrum along lines, and the wavelength below which noise dominates."""
     first_harmonic, harmonic_distance = find_texture_harmonics(density)
     period = 2 * math.pi / (float(q[0]) * first_harmonic)
     if first_harmonic > 0:

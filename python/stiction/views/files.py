@@ -190,7 +190,7 @@ def choose_joint_parameters(
 
 
 def choose_card_load(result: Evaluation, load: Any = None) -> float | None:
-    """Return the load (mN) of the coefficient and stiffnesses that a card contains once.
+    """Return the one load (mN) for which an input card states the friction coefficient and the stiffnesses.
 
     The load is the given load or, by default, the load of the study. For generated surfaces, which have no card, the
     result is None.

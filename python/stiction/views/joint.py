@@ -250,7 +250,7 @@ def liggghts_card(table: JointTable, source: str) -> str:
 
 
 def _list_curve(table: JointTable) -> list[tuple[Estimate, Estimate]]:
-    """Return the curve for an input card, as pairs (pressure, closure); the pair (0, 0) is left out.
+    """Return the closure curve for an input card, as pairs (pressure, closure); the pair (0, 0) is left out.
 
     Other programs require increasing closures. If the closure is counted from a pressure, a straight line leads from
     the origin to this pressure, so that the curve has no soft start. The closures of the curve then exceed those of the

@@ -429,7 +429,7 @@ def small_slope_estimate_text(point: PointSummary) -> str:
 
 
 def area_size_effect_text(points: Sequence[PointSummary]) -> str:
-    """Return a sentence on the first true area that the size effect may reduce below its interval.
+    """Return a sentence on the first result point whose true area the size effect may reduce below the interval.
 
     The text is empty if the size effect is smaller than the intervals, or if a study includes it.
     """

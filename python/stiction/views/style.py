@@ -183,7 +183,7 @@ FIGURE_FILE_SIGNATURES = {".png": b"Software\0stiction", ".pdf": b"(stiction ", 
 
 
 def parse_formats(formats: Sequence[str]) -> tuple[str, ...]:
-    """Return the file formats of figures without duplicates.
+    """Return the file formats in which figures are written, each format only once.
 
     Raises a `ValueError` if a format is unknown.
     """

@@ -466,7 +466,7 @@ def _reject_described_slopes(path: Path) -> None:
 
 
 def _read_binary_file(path: Path) -> ReaderResult:
-    """Read with SurfaceTopography a binary file whose name suggests that it contains text."""
+    """Read a binary file, whose name suggests a text file, by means of the package SurfaceTopography."""
     if is_reader_installed():
         try:
             return read_instrument_file(path)
