@@ -19,7 +19,7 @@ from stiction.solve.store import open_stored_result
 from stiction.study.members import read_measured_bodies
 from stiction.surfaces.scale import scale_dependent_roughness
 from stiction.surfaces.surface import Surface
-from stiction.views.resolution import cut_off_rows, resolved_wavelengths_text
+from stiction.views.resolution import cut_off_note, cut_off_rows, resolved_wavelengths_text
 from support.studies_of_files import create_study_from_files, write_maps, write_profiles
 
 
@@ -78,7 +78,9 @@ def test_cutoff_study_stored_for_another_hardness_is_ignored(study, tmp_path):
     expected = at_load(run(cutoff_study), [2.0])
     np.testing.assert_array_equal(result["mean_friction"].values, expected["mean_friction"].values)
     point = result.isel(load=0, mu0=0, tau0=1)
-    rows = cut_off_rows(find_resolution_effect(result, small_study, result.isel(tau0=[1])), 4.0)
+    effect = find_resolution_effect(result, small_study, result.isel(tau0=[1]))
+    assert f"means over {effect.members:.0f} positions, at a load of 2 mN." in cut_off_note(effect, small_study)
+    rows = cut_off_rows(effect, 4.0)
     assert [row[0] for row in rows[1:]] == ["none", "200 nm", "400 nm", "plastic limit"]
     assert rows[-1][-1] == f"{0.3 + 0.05 / 4:.3f}"
     # The limit applies to friction at all contacts even if the interface was fitted at opposing contacts.
