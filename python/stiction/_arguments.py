@@ -13,7 +13,7 @@ from stiction._units import Quantity, quantity, quantity_in_core_units, short_re
 
 
 def split_values(value: Any) -> list[Any]:
-    """Split an argument into a flat list of items: a text at its commas, and also every text in a list.
+    """Split a text, or every text in a list, at its commas, and return all items as one flat list.
 
     A text is split at its commas. A one-dimensional list is returned with its texts split. Any other argument is the
     only item.
@@ -40,7 +40,7 @@ def _split_required_values(name: str, value: Any) -> list[Any]:
 
 
 def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
-    """Parse an argument as a quantity of a kind, such as "pressure". A bare number is in core units (µm, GPa, mN)."""
+    """Parse an argument as a quantity, such as a pressure. A bare number is in core units (µm, GPa, mN)."""
     try:
         return (
             quantity(value, kind)
@@ -52,7 +52,7 @@ def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
 
 
 def parse_quantities(name: str, value: Any, kind: str) -> list[Quantity]:
-    """Parse one or more quantities of a kind such as "pressure" from an argument."""
+    """Parse one or more quantities from an argument; `kind` names the quantity, such as "pressure"."""
     reject_decimal_commas(name, value)
     return [parse_quantity(name, item, kind) for item in _split_required_values(name, value)]
 
@@ -63,7 +63,7 @@ def contains_text(value: Any) -> bool:
 
 
 def split_texts(name: str, value: Any) -> Any:
-    """Split at commas an argument that is a text or contains texts; return an argument without texts unchanged.
+    """Split a text, or each text in a list, at its commas. Return an argument without texts unchanged.
 
     Raises an `ArgumentError` if a comma may be a decimal mark.
     """
@@ -98,7 +98,7 @@ def reject_decimal_commas(name: str, value: Any) -> None:
 
 
 def parse_numbers(name: str, value: Any, *, integers: bool = False) -> list[float]:
-    """Parse an argument as a list of numbers: from a single number, a list of numbers, or a text with commas.
+    """Parse an argument as a list of numbers. The argument is a number, a list, or a text with commas.
 
     If `integers` is true, commas always separate numbers: "0,90" is 0 and 90.
     """
@@ -122,7 +122,7 @@ MAX_INPUT_NUMBER = 1e6
 
 
 def parse_coefficients(name: str, value: Any) -> list[float]:
-    """Parse one or more numbers from an argument, each of them from 0 to `MAX_INPUT_NUMBER`."""
+    """Parse one or more numbers from an argument, and reject numbers below 0 or above `MAX_INPUT_NUMBER`."""
     numbers = parse_numbers(name, value)
     if any(item < 0 for item in numbers):
         raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=short_repr(value))
@@ -134,7 +134,7 @@ def parse_coefficients(name: str, value: Any) -> list[float]:
 
 
 def validate_nonnegative_values(name: str, values: list[Any], argument: Any) -> list[Any]:
-    """Return the numbers of an argument, or raise an `ArgumentError` if a number is negative."""
+    """Return the numbers in a list, or raise an `ArgumentError` if one of these numbers is negative."""
     if not all(value >= 0 for value in values):
         raise ArgumentError(f"{{{name}}} must be at least 0, got {{got}}", got=short_repr(argument))
     return values

@@ -27,7 +27,7 @@ def to_readable_height_unit(heights: Floats) -> tuple[Floats, str]:
 
 
 def draw_profile(ax: Axes, x: Floats, heights: Floats) -> Axes:
-    """Draw the heights of a profile over x, with different scales on the two axes."""
+    """Draw the heights of a profile against x. The two axes have different scales."""
     heights, unit = to_readable_height_unit(heights)
     ax.plot(x, heights, color="0.2", linewidth=0.8)
     ax.set(xlim=(0, float(x[-1])), xlabel="x (µm)", ylabel=f"height ({unit})")
@@ -44,7 +44,7 @@ def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axe
 
 
 def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats, Floats]) -> Axes:
-    """Draw a power spectral density on logarithmic axes: the density of each harmonic, and mean densities in bins."""
+    """Draw a power spectral density on logarithmic axes: a curve over all harmonics, and a curve of bin means."""
     wave_number, density = harmonics
     is_positive = density > 0
     if not is_positive.any():
@@ -80,7 +80,7 @@ def draw_scan_comparison(ax: Axes, comparison: Any) -> Axes:
 
 
 def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any) -> None:
-    """Draw a scale bar of round length in the lower right corner of a map.
+    """Draw a scale bar in the lower right corner of a map; the length of the bar is a round number.
 
     `box` contains the edges of the map's image (µm).
     """
@@ -197,7 +197,7 @@ def _friction_parameter_labels(mu0: ArrayLike, tau0: ArrayLike) -> list[list[str
 
 
 def draw_contact_pressure(ax: Axes, pressure: Floats, heights: Floats, spacing: tuple[float, ...]) -> Axes:
-    """Draw the heights of the lower surface and the contact pressure (GPa), as maps or along a profile."""
+    """Draw the contact pressure (GPa) and the lower surface's heights: maps for surfaces, curves for profiles."""
     if pressure.ndim == 1:
         return _draw_profile_contact_pressure(ax, pressure, heights, spacing[-1])
     extent = map_extent(pressure.shape, spacing)

@@ -1,4 +1,4 @@
-"""Estimates: numbers with 95 % intervals, which determine how many digits of the numbers are printed."""
+"""Numbers with 95 % intervals. The width of an interval determines how many digits of a number are printed."""
 
 from __future__ import annotations
 
@@ -192,7 +192,7 @@ def estimate_column_titles(title: str, unit: str = "1") -> dict[str, str]:
 
 
 def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
-    """Widen each interval in an array to include the intervals at the same index in the other arrays.
+    """Widen each interval in an array so that it includes the corresponding intervals in other arrays.
 
     Parameters
     ----------
@@ -215,7 +215,7 @@ def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
 def count_estimate_decimals(
     value: Floats, lower: Floats, upper: Floats, *, digits: int
 ) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
-    """Return the numbers of decimals to print: one array for values and lower limits, and one for upper limits.
+    """Return the numbers of decimals to print, in two arrays: for values with their lower limits, and for upper limits.
 
     The first array is for values and lower limits, the second array for upper limits. The number of decimals is
     negative for numbers that are rounded to tens or more. The second array contains `DECIMALS_CODE_OF_NO_INTERVAL` if
@@ -242,7 +242,7 @@ def count_estimate_decimals(
 
 
 def _count_interval_decimals(value: Floats, lower: Floats, upper: Floats, digits: int) -> Floats:
-    """Return the number of decimals at which the half width of an interval has `digits` significant digits.
+    """Return how many decimals to print so that half of an interval's width has `digits` significant digits.
 
     Unless the value is 0, the number of decimals is limited so that the value has 2 to 4 significant digits. For an
     interval without width, the value has 4 significant digits.
@@ -255,7 +255,7 @@ def _count_interval_decimals(value: Floats, lower: Floats, upper: Floats, digits
 
 
 def _count_significant_decimals(value: Floats, digits: int) -> Floats:
-    """Return how many decimals a number has when rounded to `digits` significant digits, not counting final zeros."""
+    """Round a number to `digits` significant digits, drop trailing zeros, and return the number of decimals left."""
     exponents = _find_decimal_exponents(value)
     with np.errstate(invalid="ignore", over="ignore"):
         # Each number is scaled to an integer with `digits` digits: with four digits, 0.01234 becomes 1234.

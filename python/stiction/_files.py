@@ -49,7 +49,7 @@ def create_file_atomically(path: Path, error_type: type[ValueError]) -> Iterator
 
 
 def check_creatable(path: Path, error_type: type[ValueError]) -> None:
-    """Raise an error of type `error_type` if a path exists (even as a dangling link), or has no parent directory."""
+    """Raise an error of type `error_type` if a path exists (even as a broken link) or its directory is missing."""
     with _translate_os_errors(path, error_type):
         if os.path.lexists(path):
             raise FileExistsError
@@ -71,7 +71,7 @@ def replace_file_atomically(path: Path, mark: bytes, error_type: type[ValueError
 
 
 def check_replaceable(path: Path, mark: bytes, error_type: type[ValueError]) -> None:
-    """Raise an error of type `error_type` if a path exists, unless it is a file that contains the bytes `mark`.
+    """Raise an error of type `error_type` if a path exists and is not a file that contains the bytes `mark`.
 
     Stiction writes this mark to its files. A dangling link counts as existing.
     """
@@ -104,7 +104,7 @@ def create_atomically(path: Path, content: bytes) -> None:
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Write a file under a temporary name, then move the complete file to `path`, even if `path` exists."""
+    """Write a file under a temporary name, and move the complete file to `path`, where it replaces an old file."""
     with _open_partial_file(path, Path.replace) as partial_path:
         partial_path.write_bytes(content)
 
@@ -132,7 +132,7 @@ def new_partial_file_name() -> str:
 
 
 class DirectoryClaim:
-    """Claim that reserves a directory for one run by means of a file, which is deleted when the `with` block ends.
+    """Lock file that reserves a directory for one run until the end of a `with` block.
 
     A thread refreshes the file, because other machines ignore a claim that is older than `MAX_PARTIAL_FILE_AGE`. If the
     process is killed, the file stays and becomes stale, so that it does not lock the directory.
@@ -169,7 +169,7 @@ class DirectoryClaim:
                 self.file.touch()
 
     def find_other_claim(self) -> Path | None:
-        """Return the file with which another active run claims the same directory.
+        """Return the claim file of another active run in the same directory.
 
         Returns None if no other run is active in the directory.
 
@@ -182,7 +182,7 @@ class DirectoryClaim:
 
 
 def remove_stale_partial_files(directory: Path) -> None:
-    """Remove partial files of dead processes from a directory.
+    """Remove unfinished files from a directory if the processes that wrote these files have ended.
 
     Files that cannot be removed are ignored.
     """
@@ -194,7 +194,7 @@ def remove_stale_partial_files(directory: Path) -> None:
 
 
 def _scan_partial_files(directory: Path) -> Iterator[tuple[os.DirEntry[str], bool]]:
-    """Yield each partial file in a directory, with True if the file is stale (process dead, or file too old)."""
+    """Yield each unfinished file in a directory, and whether it is stale (its process ended, or it is too old)."""
     with os.scandir(directory) as iterator:
         entries = list(iterator)
     for entry in entries:
@@ -243,7 +243,7 @@ def contains_file_mark(path: Path, mark: bytes) -> bool:
 
 
 class UnreadableFileError(Exception):
-    """Error raised for a path that is no regular file, or for a file that is too long or has unexpected first bytes."""
+    """Error raised if a path is not a regular file, or if the file is too long or starts with unexpected bytes."""
 
 
 def check_is_file(path: Path) -> None:
@@ -277,5 +277,5 @@ def _open_nonblocking(path: str, flags: int) -> int:
 
 
 def describe_os_error(error: OSError) -> str:
-    """Return the reason that an `OSError` states, without the file name, which may be internal to stiction."""
+    """Return the reason that an `OSError` states, without the file name, which may be that of a temporary file."""
     return os.strerror(error.errno) if error.errno else str(error)

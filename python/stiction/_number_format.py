@@ -28,7 +28,7 @@ MIN_WITHOUT_EXPONENT, MAX_WITHOUT_EXPONENT = 1e-6, 1e6
 
 
 def format_significant(value: float, digits: int = 2) -> str:
-    """Format a number with `digits` significant digits; use an exponent below 1e-6 and from 1e6 upwards."""
+    """Format a number with `digits` significant digits. Numbers below 1e-6, or from 1e6 on, get an exponent."""
     if math.isnan(value):
         return "none"
     text = f"{value:.{digits}g}"
@@ -39,7 +39,7 @@ def format_significant(value: float, digits: int = 2) -> str:
 
 
 class NumberFormat(NamedTuple):
-    """Format of numbers with an absolute value of at least `minimum`: divisor, significant digits, and text template.
+    """Format for numbers that are at least `minimum` in absolute value: divisor, digits, and text template.
 
     Attributes
     ----------
@@ -99,7 +99,7 @@ def format_number(value: float, kind: str) -> str:
 
 
 def format_with_unit(value: float, unit: str) -> str:
-    """Format a length (um), pressure (GPa), force (mN) or energy (pJ) with three digits and a suitable prefix."""
+    """Format a length (um), pressure (GPa), force (mN) or energy (pJ) with three digits and a prefixed unit."""
     return format_number(value, unit)
 
 
@@ -129,7 +129,10 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
 
 
 def _choose_item_by_size(value: float, items: Sequence[_Item]) -> _Item:
-    """Return the first item whose first element, after rounding, does not exceed |value|; 0 and NaN are taken as 1."""
+    """Return the first item whose minimum `item[0]` is at most the absolute value of a number, after rounding.
+
+    0 and NaN count as 1.
+    """
     size = 1.0 if value == 0 or math.isnan(value) else abs(value)
     return next(item for item in items if size >= MIN_NUMBER_ROUNDED_TO_ONE * item[0])
 

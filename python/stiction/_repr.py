@@ -40,7 +40,7 @@ class TextReprMixin:
 
 
 class PlotReprMixin(TextReprMixin):
-    """Mixin for dataclasses that a notebook shows as text and as a plot, which the method ``plot(ax=None)`` draws."""
+    """Mixin for dataclasses that a notebook shows as text and as a plot (drawn by ``plot(ax=None)``)."""
 
     def _repr_html_(self) -> str:
         return f"<div>{preformatted_html(repr(self))}{plot_html(self.plot)}</div>"  # type: ignore[attr-defined]

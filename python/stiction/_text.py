@@ -1,4 +1,4 @@
-"""Conversion of texts from files and users to printable texts of limited length, for a terminal."""
+"""Conversion of texts from files and users to printable texts of limited length for terminal output."""
 
 from __future__ import annotations
 

@@ -262,7 +262,7 @@ _GAP_FORMATS = {".npy": "a NumPy array", ".csv": "a matrix"}
 def export_shear_test(
     test: xr.Dataset, path: str | Path, *, joint: bool = False, gap: bool = False, units: UnitSystem | None = None
 ) -> None:
-    """Write a shear test to a new file: the whole dataset for ``.nc``, or its curve for ``.csv``.
+    """Write a shear test to a new file: all its data to a `.nc` file, or only its curve to a `.csv` file.
 
     Parameters
     ----------
@@ -335,7 +335,7 @@ def _create_directory(directory: Path) -> None:
 
 
 def _warn_about_other_steps(directory: Path, key: str) -> None:
-    """Warn about stored shear-test steps that come from other inputs, another stiction version or another machine."""
+    """Warn about stored steps of an interrupted shear test that belong to other inputs, versions or machines."""
     names = [printable_path(path) for path in find_steps_with_other_keys(directory, 0, key)]
     if names:
         warn_caller(
@@ -347,7 +347,7 @@ def _warn_about_other_steps(directory: Path, key: str) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _ShearTestSetup:
-    """Prepared shear test with central inputs, and the further tests from which its intervals are computed."""
+    """Shear test at the central inputs, and the tests at other inputs that are needed for its intervals."""
 
     box: ShearBox
     offsets: NDArray[np.int64]
@@ -360,7 +360,7 @@ class _ShearTestSetup:
 
     @cached_property
     def interface_attributes(self) -> dict[str, str]:
-        """Dataset attributes that describe a calibrated interface: its sliding rule, and its caveats as text."""
+        """Dataset attributes: the sliding rule of a calibrated interface, and its caveats as text."""
         if self.strength is None:
             return {}
         caveats = find_interface_caveats(self.strength, self.interface_name, self.inputs)
@@ -411,7 +411,10 @@ def _compute_shear_tests(
     num_steps = len(offsets)
 
     def solve(index: int) -> tuple[list[StepResult], xr.Dataset]:
-        """Solve the shear test number `index`; return its results as a list of steps and a dataset with the closure."""
+        """Solve the shear test with the number `index`, and return its steps as a list and as a dataset.
+
+        The dataset also contains the closure of the joint under the normal load.
+        """
 
         def show_total_progress(num_finished: int, _: int) -> None:
             if progress is not None:
@@ -446,7 +449,7 @@ def _compute_shear_tests(
 
 
 def _shears_before_sliding(box: ShearBox) -> int:
-    """Return 1 if slip-line theory predicts that the softer body shears before the contacts slide, and 0 otherwise."""
+    """Return 1 if slip-line theory predicts that the softer body shears before the contacts slide, else 0."""
     law = FrictionLaw(box.law.mu0, box.law.tau0, CENTRAL_SHEAR_RATIO, uses_slip_lines=True)
     return int(box.hardness is not None and bool(law.is_stronger_than_body(box.hardness)))
 

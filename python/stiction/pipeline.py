@@ -1,4 +1,4 @@
-"""Completion of a result directory: missing members and, for a measured pair, further results are computed.
+"""Computation of what a result directory lacks: members and, for a measured pair, further results.
 
 The contacts of a typical member and the onset of sliding are companion files. The cutoff study and the alternative
 preparations of the scans are companion studies, each in a subdirectory.
@@ -64,7 +64,7 @@ _COMPANION_FILE_SIGNATURES = {
 
 
 def _ignore_line(_: str) -> None:
-    """Ignore a line of output; runs that print nothing use this function as print function."""
+    """Ignore a line of output. Runs that print nothing receive this function instead of `print`."""
 
 
 def run(
@@ -125,7 +125,7 @@ def complete_result(
     print_remark: LinePrintFunction = _ignore_line, announce: LinePrintFunction = _ignore_line,
     show_result: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
-    """Compute all or a part of the members that are missing in a study's directory, and return the result.
+    """Compute the missing members in a study's directory, or one part of them, and return the result.
 
     If no part is given, the companion results are computed too.
 
@@ -197,14 +197,14 @@ def complete_result(
 
 
 def _import_result_packages() -> None:
-    """Import packages that store and evaluate the result, while the workers compute."""
+    """Import the packages that store and evaluate the result; the workers compute in the meantime."""
     import_dataset_packages()
     import scipy.fft
     import scipy.special  # noqa: F401
 
 
 def _announce_pair_and_cutoff_study(stored_result: StoredResult, print_remark: LinePrintFunction, task: str) -> None:
-    """Print a description of the current task, and the estimated time of the cutoff study that follows the task."""
+    """Print what is being computed, and the estimated time of the cutoff study that follows."""
     print_remark(task)
     # `find_cutoff_study` fails if a scan file is missing.
     with contextlib.suppress(ValueError):
@@ -224,7 +224,7 @@ def _print_time_if_long(print_remark: LinePrintFunction, task: str, seconds: flo
 def _compute_alternatives(
     stored_result: StoredResult, executor: Executor, *, progress: bool, print_remark: LinePrintFunction
 ) -> None:
-    """Compute the pair again with scans prepared in alternative ways; the combined interval includes these results.
+    """Compute the pair for alternative preparations of its scans. The combined interval covers these results.
 
     If an alternative cannot be computed, the pair keeps its result, and a remark states the reason.
     """
@@ -247,7 +247,10 @@ def _compute_alternatives(
 
 
 def _write_companion_file(stored_result: StoredResult, name: str, compute: Callable[[], Any]) -> None:
-    """Compute and write a file that accompanies the result, unless `compute` returns None or a scan file is missing."""
+    """Compute and write a file stored alongside the result. Write nothing if `compute` returns None.
+
+    Nothing is written, either, if a scan file is missing.
+    """
     with contextlib.suppress(ValueError):
         if (dataset := compute()) is not None:
             export(dataset, stored_result.path / name, replace=True)
@@ -293,7 +296,7 @@ def compute_companion_files(
 
 
 def _write_onset_table(result: Result, onset: xarray.Dataset) -> None:
-    """Write a table of the onset of sliding, scaled to the result's friction coefficient, if the table has changed."""
+    """Write a table of the onset of sliding for the result's friction coefficient, if the table is not up to date."""
     scaled_onset = result.scale_onset(onset)
     if scaled_onset is None or result.path is None:
         return

@@ -1,4 +1,4 @@
-"""Form of the app: HTML of the fields, parsing of the entered texts, and messages that name the form fields."""
+"""Form of the app: HTML of its fields, parsing of the user's entries, and messages that name form fields."""
 
 from __future__ import annotations
 

@@ -231,7 +231,7 @@ class JobQueue:
             task.add_done_callback(_print_unexpected_error)
 
         def show_values(record: str) -> None:
-            """Show the coefficients of a finished result before the figures are drawn, because drawing may fail."""
+            """Send the coefficients of a finished result to the page. The figures are drawn later, which may fail."""
             monitor_task.cancel()
             job.activity = "drawing"
             job.show_result(_read_shown_values(job, record), None)
@@ -357,7 +357,7 @@ def _read_shear_test(record: str) -> dict[str, Any]:
 
 
 def _read_reported_point(record: str) -> dict[str, Any]:
-    """Return the first result (for one load, mu0 and tau0) that is marked as reported in the JSON record of a pair.
+    """Return the first entry marked as reported in a pair's JSON record: the results at one load, mu0 and tau0.
 
     If the record has no result points, its remark is raised as an error.
     """
@@ -368,7 +368,7 @@ def _read_reported_point(record: str) -> dict[str, Any]:
 
 
 def memory_limit_command_prefix(memory: float) -> list[str]:
-    """Return command words that start another command with limited memory, and kill it when its parent process ends.
+    """Return a command prefix that limits a command's memory, and kills the command when stiction ends.
 
     The prefix is empty if the system lacks the commands `setpriv` or `prlimit`.
     """

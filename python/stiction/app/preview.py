@@ -74,7 +74,7 @@ def preview_scan(file: str, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def compare_scans(files: Sequence[str], options: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return whether two scanned faces fit together, and a suggested path length for a shear test of these faces.
+    """Return whether two scanned faces fit together, and suggest a path length for their shear test.
 
     The path is a tenth of the scan length. Scans that cannot be read do not fit.
     """

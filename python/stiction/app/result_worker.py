@@ -1,4 +1,4 @@
-"""Worker process of the app, which reads a result, prints its coefficients, and writes its report and other files."""
+"""Worker process of the app: reads a result, prints its coefficients, and writes its report and other files."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from stiction.views.rows import point_record, summary_json
 
 
 def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
-    """Return the study of the quick preview that the app computes for a pair with the asperity model.
+    """Return the study for the app's quick preview of a pair, which uses the asperity model.
 
     Returns None if there is no preview.
     """

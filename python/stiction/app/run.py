@@ -1,4 +1,4 @@
-"""Start and end of the app: its server in a private directory, and its page in a browser."""
+"""Start and shutdown of the app, which serves its page from a private directory and opens the page in a browser."""
 
 from __future__ import annotations
 

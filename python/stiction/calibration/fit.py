@@ -167,7 +167,7 @@ class CalibrationProblem:
     def _compute_equation_coefficients(
         self, scores: Floats, mu0: Floats | None = None, tau0: Floats | None = None
     ) -> tuple[Floats, Floats, Floats]:
-        """Return the coefficients a and b and the right sides of the test equations, a mu0 + b tau0 = right side.
+        """Return a, b and c of the test equations a mu0 + b tau0 = c.
 
         `scores` are normal scores of the nuisance parameters, with the shape (points, nuisances): each point is one
         sample. The coefficients have the shape (points, tests). If mu0 and tau0 (GPa) of shape (points, ...) are given,
@@ -218,7 +218,7 @@ class CalibrationProblem:
         )
 
     def _compute_run_offset_vectors(self, central_coefficients: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Return the shifts of the residuals due to relative friction offsets of test runs, as unit vectors and norms.
+        """Return how the friction offset of each test run shifts the residuals: direction (unit vector) and size.
 
         The unit vectors have the shape (runs, tests). The norms, with the shape (runs,), are in units of the errors.
         Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would bias
@@ -255,7 +255,7 @@ class CalibrationProblem:
         return float(np.sqrt(variance) / mean)
 
     def _compute_deviation_between_runs(self, scores: Floats) -> Floats:
-        """Return the relative standard deviation of friction between test runs, per sample of nuisance parameters."""
+        """Return the relative standard deviation of friction between test runs, for each nuisance-parameter sample."""
         from scipy.special import ndtr
 
         if RUN_SPREAD_PARAMETER_NAME not in self.nuisances:
@@ -266,7 +266,7 @@ class CalibrationProblem:
     def _build_weighted_equations(
         self, columns: tuple[Floats, ...], scale: Floats, spread: Floats
     ) -> tuple[Floats, Floats]:
-        """Return the equations of tests in which the pair slid, scaled so that all have equal, uncorrelated errors.
+        """Return equations of the tests in which the pair slid, scaled so that their errors are equal and uncorrelated.
 
         The equations have the shape (points, tests with sliding, 3). Also returns the logarithms of the normalization
         factors (points,).
@@ -293,7 +293,9 @@ class CalibrationProblem:
     def _compute_residuals(
         self, scores: Floats, scale: Floats, spread: Floats, mu0: Floats, tau0: Floats
     ) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-        """Return residuals of tests in which the pair slid, divided by errors, and equation coefficients of all tests.
+        """Return the residuals of the tests in which the pair slid, and the equation coefficients of all tests.
+
+        Each residual is divided by the standard error of its test.
 
         The residuals have the shape (points, tests that slid, ...), and are infinite at seizure. The coefficients
         include junction growth. mu0 and tau0 (GPa) have the shape (points, ...).
@@ -345,7 +347,7 @@ class CalibrationProblem:
             return strength
 
         def residuals_with_growth(points: Floats) -> Floats:
-            """Return the weighted test residuals, with junction growth, for each set of fit parameters in `points`."""
+            """Return the weighted residuals of the friction tests, with junction growth, for each set of parameters."""
             mu0, tau0 = np.transpose([to_strengths(x) for x in points])
             scales = np.full(len(points), error_scale)
             misfit, _ = self._compute_residuals(
@@ -484,7 +486,7 @@ class CalibrationProblem:
         return replace(fit, fits_at_bounds=fits_at_bounds)
 
     def _with_fixed_strengths(self, strengths: tuple[float | None, float | None]) -> CalibrationProblem:
-        """Return a copy of the problem in which mu0 and tau0 (GPa) are fixed at the given numbers, or free if None."""
+        """Return a copy of the problem with fixed mu0 and tau0 (GPa); a parameter that is None is fitted."""
         problem = copy.copy(self)
         # The cached best fit was computed with other fixed mu0 and tau0, so it is removed.
         problem.__dict__.pop("best_fit", None)
@@ -497,7 +499,7 @@ class CalibrationProblem:
         return np.asarray(tau0_coefficient / mu0_coefficient)
 
     def _find_median_area_per_load(self, samples: Floats) -> Floats:
-        """Return the true area per load (1/GPa) of each test: the median of `samples` if the contacts grow under shear.
+        """Return the true area per load (1/GPa) of each test. If contacts grow, it is the median of `samples`.
 
         Without growing contacts, A/F at the central inputs is returned. With friction at opposing contacts only, the
         friction of these contacts is higher than the measured coefficient, for which `area_per_load` is computed. The
@@ -867,7 +869,7 @@ class CalibrationProblem:
         return mu0, tau0, scores
 
     def _find_mu0_in_cells(self, limits: _GridLimits, point: Any, row: Any, tau0: Floats, column: Any) -> Floats:
-        """Convert column indices of the mu0 grids, which may be fractions, to mu0; each tau0 has its own mu0 grid."""
+        """Convert column indices of mu0 grids (integer or fractional) to mu0. Each tau0 has its own mu0 grid."""
         mu0_start, mu0_step = self._choose_mu0_grid_at_tau0(limits, point, row, tau0)
         return np.asarray(mu0_start + mu0_step * column)
 
@@ -934,7 +936,7 @@ def _build_run_membership_matrix(tests: Sequence[FrictionTest]) -> Floats:
 def _solve_nonnegative_least_squares(
     rows: Floats, weight: Floats, fixed_strengths: Sequence[float | None]
 ) -> tuple[float, float]:
-    """Fit mu0 and tau0 (GPa), both at least 0, to weighted test equations. A fixed mu0 or tau0 is not changed."""
+    """Fit mu0 and tau0 (GPa), both nonnegative, to weighted test equations. A fixed mu0 or tau0 stays as it is."""
     from scipy.optimize import lsq_linear
 
     is_free = [value is None for value in fixed_strengths]
@@ -966,7 +968,7 @@ def _compute_triangular_factors(rows: Floats) -> Floats:
 
 
 def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: float) -> tuple[Floats, Floats]:
-    """Return the tau0 range (GPa) in which the probability density at the best mu0 for each tau0 is not negligible."""
+    """Return the limits of tau0 (GPa) outside which the probability is negligible, even with the best mu0."""
     first_row, second_row = triangular_factors[:, 0], triangular_factors[:, 1]
     # At mu0 = 0, -2 ln(density) is a quadratic function of tau0, and `curvature` is the coefficient of tau0².
     curvature = second_row[:, 1] ** 2 + first_row[:, 1] ** 2

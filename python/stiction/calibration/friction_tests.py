@@ -1,4 +1,4 @@
-"""Friction tests: forces and areas per unit load, summed over contacts, and the uncertainty of the true area."""
+"""Friction tests: contact forces and areas divided by the load, and the uncertainty of the true area."""
 
 from __future__ import annotations
 
@@ -161,7 +161,10 @@ class AreaFactor:
 
 @dataclass(frozen=True, kw_only=True)
 class _FrictionTestSums:
-    """Sums of forces and areas over the contacts of one friction test, divided by the normal load without friction."""
+    """Contact forces and areas of one friction test, summed over its contacts and divided by the normal load.
+
+    The normal load is the load at the same approach without friction.
+    """
 
     sums: Mapping[str, float]
     scatter: float = 0.0
@@ -173,7 +176,7 @@ class _FrictionTestSums:
 
 @dataclass(frozen=True)
 class _BallAreaFactor(AreaFactor):
-    """Area factor of a ball test: contact area at onset of sliding divided by Hertz area for the central value of E*.
+    """Ratio of the contact area at the onset of sliding to the Hertz area at the central E*, for a test with a ball.
 
     The contact area of a ball is proportional to E*^(-2/3).
     """
@@ -189,14 +192,14 @@ class _BallAreaFactor(AreaFactor):
         return cls(inputs, f"ball {ball.radius:g}", ball.moduli, float(loss))
 
     def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return two ratios at the onset of sliding: area A / Hertz area, and friction / (mu0 F + tau0 A) = 1."""
+        """Return true area / Hertz area at the onset of sliding, and 1 as the ratio of friction to mu0 F + tau0 A."""
         area = np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
         return area * (1 - samples.get("area_loss", np.asarray(self.area_loss))), np.ones(())
 
 
 @dataclass(frozen=True)
 class _AreaFactorFromResult(AreaFactor):
-    """Area factor of a test with rough surfaces: true contact area divided by the area in the computed result."""
+    """Ratio of the true contact area in a test with rough surfaces to the area in the computed result."""
 
     area: AreaFunction
     load: float
@@ -355,7 +358,7 @@ class FrictionTest:
 
     @cached_property
     def area_factor(self) -> AreaFactor:
-        """Ratio of the true contact area in the test to the computed area; 1 if the test is given as a load curve."""
+        """Ratio of the true contact area in the test to the computed area. It is 1 if the test names a load curve."""
         if isinstance(self.result, Ball):
             return _BallAreaFactor.from_ball(self.result)
         if isinstance(self.result, FrictionCurve):
@@ -392,7 +395,7 @@ def depends_on_junction_growth(friction: _FrictionTestSums, mu0: float, tau0: fl
 
 
 def find_pair_faults(tests: Sequence[FrictionTest], mu0: float, tau0: float) -> tuple[tuple[str, str], ...]:
-    """Return the faults in results of tested pairs that forbid quoting the friction at the loads of the tests.
+    """Return the faults that forbid quoting the friction of the tested pairs at the test loads.
 
     `mu0` and `tau0` (GPa) are the fitted ones, because those of the studies of the pairs may be placeholders.
 
@@ -421,7 +424,10 @@ def list_sliding_rules(result: Any) -> tuple[str, ...]:
 
 
 def evaluate_test_sums(test: FrictionTest, sliding: SlidingRule) -> _FrictionTestSums:
-    """Return forces and areas summed over the contacts in a friction test, divided by the load without friction."""
+    """Return the contact forces and areas in a friction test: sums over the contacts, divided by the normal load.
+
+    The normal load is the load at the same approach without friction.
+    """
     result, load = test.result, float(test.load)
     if isinstance(result, (Ball, FrictionCurve)) and test.wait != 1:
         raise ValueError("`wait` requires a result that pair() computed with a creep exponent")
@@ -435,7 +441,10 @@ def evaluate_test_sums(test: FrictionTest, sliding: SlidingRule) -> _FrictionTes
 
 
 def _interpolate_sums_per_load(curve: FrictionCurve, load: float) -> _FrictionTestSums:
-    """Interpolate forces and areas, summed over contacts and divided by the load without friction, at a load (mN)."""
+    """Interpolate the contact forces and areas at a load (mN), as sums over contacts divided by that load.
+
+    The load is that at the same approach without friction.
+    """
     loads = np.asarray(curve.normal_elastic)
     if not loads.min() <= load * (1 + 1e-9) or not load * (1 - 1e-9) <= loads.max():
         range_text = f"{loads.min():g} to {loads.max():g} mN"
@@ -453,7 +462,10 @@ def _interpolate_sums_per_load(curve: FrictionCurve, load: float) -> _FrictionTe
 
 
 def _average_sums_per_load(result: Any, load: float, sliding: SlidingRule) -> _FrictionTestSums:
-    """Return means over members of forces and areas summed over contacts, divided by the load (mN) without friction."""
+    """Return contact forces and areas at a load (mN), averaged over the members and divided by the load.
+
+    The forces and areas are sums over the contacts of a member. The load is that at the same approach without friction.
+    """
     dataset = getattr(result, "dataset", result)
     sums = (
         interpolate_member_sums(dataset, np.array([load]))

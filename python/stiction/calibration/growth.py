@@ -1,4 +1,4 @@
-"""Fit of mu0 and tau0 to friction tests in which shear enlarges the contacts."""
+"""Fit of mu0 and tau0 to friction tests with junction growth (shear enlarges the contacts)."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def find_best_mu0(residuals: ResidualFunction, start: Floats, tau0: Floats) -> t
 def find_tau0_range(
     sum_of_squares: Callable[[Floats], Floats], max_tau0: Floats, deviance_range: float
 ) -> tuple[Floats, Floats]:
-    """Return tau0 limits (GPa) beyond which the sum of squared residuals exceeds its minimum by over `deviance_range`.
+    """Return the lower and upper tau0 (GPa) where the sum of squared residuals is `deviance_range` above its minimum.
 
     Parameters
     ----------

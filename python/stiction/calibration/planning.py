@@ -23,14 +23,14 @@ BALL_LOAD_RANGE = 100.0
 
 
 class PlannedTests(NamedTuple):
-    """Plan of friction tests (text), and a pair's coefficient with the 95 % interval expected after the tests."""
+    """Text of a plan of friction tests, and the 95 % interval of a pair's coefficient expected after these tests."""
 
     text: str
     coefficient: ValueWithLimits
 
 
 class PlanConditions(NamedTuple):
-    """Assumptions about further friction tests: test count, relative error, hardness, and area per load on a ball."""
+    """Assumptions about further friction tests: number, relative error, hardness, true area per load of a ball."""
 
     num_tests: int
     # Median relative error of the coefficients that were measured so far, or `DEFAULT_RELATIVE_ERROR` if unknown.
@@ -48,7 +48,7 @@ class PlanConditions(NamedTuple):
 
 
 def find_plan_conditions(interface: Interface, hardness: float = math.nan) -> PlanConditions:
-    """Return the assumptions of `plan_tests` and `Interface.advice` about further tests, such as their number.
+    """Return the number of further friction tests and the other assumptions that `plan_tests` makes about them.
 
     `hardness` is the hardness (GPa) of the wanted pair. NaN stands for the hardness of the present tests.
     """
@@ -193,7 +193,7 @@ def _limit_to_interval(planned: ValueWithLimits, present: ValueWithLimits) -> Va
 
 
 def _reweight(fit: StrengthFit, areas_per_load: Floats, expected: Floats, error: Floats) -> StrengthFit:
-    """Resample mu0 and tau0 with weights equal to the likelihood of the expected results of planned friction tests.
+    """Resample mu0 and tau0, weighted by the likelihood of the results expected from planned friction tests.
 
     The planned tests have the given true areas per load (1/GPa), expected coefficients and standard errors.
     """

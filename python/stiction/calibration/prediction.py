@@ -25,7 +25,7 @@ from stiction.study.shared_inputs import apply_ranges_of_pair, find_shared_input
 
 
 class Interface(InterfaceStrength):
-    """Interface with a joint distribution of mu0 and tau0, fitted to tests, that predicts friction of other surfaces.
+    """Interface: joint distribution of mu0 and tau0 from friction tests, for predictions on other surfaces.
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ class Interface(InterfaceStrength):
         shared_inputs = find_shared_inputs(self, area_factor.inputs, area_factor.surfaces)
 
         def compute_coefficients(fit: StrengthFit) -> tuple[Floats, Floats]:
-            """Return samples of the friction coefficient and its upper limit (infinite if the softer body shears)."""
+            """Return samples of the coefficient and of its upper limit, which is infinite if the softer body shears."""
             # A parameter that affects both the tests and the prediction keeps the random samples drawn by the fit.
             scores = {**independent_scores, **fit.scores}
             law = FrictionLaw(fit.mu0, fit.tau0)

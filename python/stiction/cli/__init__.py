@@ -58,7 +58,7 @@ def main() -> None:
 
 
 def _redirect_closed_streams() -> None:
-    """Redirect closed standard streams to the null device. Otherwise files opened later would get their descriptors."""
+    """Redirect closed standard streams to the null device, so that no file opened later takes their place."""
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         try:
             os.fstat(number)

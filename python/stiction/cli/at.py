@@ -1,4 +1,4 @@
-"""Command `stiction at`: evaluation of a result at other loads, mu0 or tau0, or for scaled heights."""
+"""Command `stiction at`: a result at other loads, mu0 or tau0, or for surfaces with scaled heights."""
 
 from __future__ import annotations
 
@@ -161,7 +161,7 @@ def at(
 
 
 def _reject_range(name: str, text: str | None, directory: Path, study: Study) -> None:
-    """Raise an `ArgumentError` if the text for mu0 or tau0 is, or lists, a range or a number with an uncertainty.
+    """Raise an `ArgumentError` if the text for mu0 or tau0 contains a range or a number with an uncertainty.
 
     For measured bodies, the message contains the command that accepts the first such range. If a friction law defines
     mu0 and tau0 of the study, it recommends another law instead, because the command would replace the law.

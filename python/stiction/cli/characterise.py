@@ -229,7 +229,7 @@ def _print_joined_spectrum(
 
 
 def _choose_scan_names(files: list[Path]) -> list[str]:
-    """Return names for scans: file names or, if two file names are equal, paths."""
+    """Return a name for each scan: its file name, or its path if any two scans have the same file name."""
     names = [file.name for file in files]
     return names if len(set(names)) == len(names) else list(map(str, files))
 

@@ -1,4 +1,4 @@
-"""Computation of a study by a command: directory, workers, and messages."""
+"""Computation of a study in an output directory, with messages on the progress, for the commands that need it."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def check_output_directory(directory: Path) -> None:
 
 
 def _conflict_advice(error: StudyMismatchError, study: Study, *, is_replaceable: bool) -> str:
-    """Return the advice for the error message that the output directory contains another study."""
+    """Return advice to a user whose output directory already contains the result of another study."""
     remedies = ["choose another directory with --output DIR"]
     if is_replaceable:
         remedies.append("overwrite the stored result with --replace")
@@ -79,7 +79,7 @@ def compute_result_in_directory(
     study: Study, directory: Path, executor: Executor, *, print_written: Callable[[str], None] = print_output,
     show_companions: Callable[[Result], Any] = lambda _: None, **options: Any,
 ) -> Result:  # fmt: skip
-    """Run `complete_result` and print its messages.
+    """Compute the result of a study in a directory, write its files, and print the progress and file names.
 
     If Ctrl-C is pressed, print how to resume.
 

@@ -1,4 +1,4 @@
-"""Option `--load` of commands that evaluate a stored result, and messages about loads with no friction coefficient."""
+"""Option `--load` for stored results, and messages about loads without a friction coefficient."""
 
 from __future__ import annotations
 

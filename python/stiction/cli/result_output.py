@@ -61,7 +61,7 @@ def print_pair_values(result: Result, *, verbose: bool = False) -> None:
 
 
 def print_resolution_and_onset(result: Result, *, verbose: bool = False) -> None:
-    """Print the cutoff study and the onset of sliding of a measured pair, if the pair has a coefficient."""
+    """Print a pair's onset of sliding and, if `verbose`, its cutoff study. Without a coefficient, print nothing."""
     if text := resolution_and_onset_text(_summarize(result), verbose=verbose):
         print_output(text)
 

@@ -225,7 +225,9 @@ def _compute_joint(
     result: Result, directory: Path, workers: int | None, loads: list[float] | None, closure_from: str | None,
     card_load: float | None,
 ) -> Result:  # fmt: skip
-    """Compute a pair at the loads of its joint table: all loads or `loads` (mN), `closure_from`, and `card_load` (mN).
+    """Compute the stored pair again at the loads (mN) that its joint table requires.
+
+    These are `loads`, or else the loads of a full table, with `card_load` and the load of `closure_from`.
 
     A result of another study in the directory is replaced.
     """

@@ -146,7 +146,7 @@ def shear(
 
 
 def _load_face(file: Path, index: int, options: dict[str, Any]) -> Profile | Surface:
-    """Load the scan of the upper or lower face.
+    """Load the scan of the upper or the lower face of a direct shear test.
 
     If an option is given twice, the first is for the upper face, the second for the lower.
     """

@@ -111,7 +111,7 @@ def _load_study(text: str) -> tuple[Study, Path]:
 
 
 def parse_overrides(assignments: list[str]) -> dict[str, Any]:
-    """Parse assignments KEY=VALUE of the option `--set`, and return the values by study key."""
+    """Parse the assignments KEY=VALUE of the option `--set`, and return a dict of the values, keyed by KEY."""
     from stiction.study.values import StudyError
 
     overrides = {}

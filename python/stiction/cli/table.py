@@ -162,7 +162,7 @@ def _choose_hardness(hardness: str | None, elasticity: PairElasticity) -> str | 
 
 
 def _tabulate_measured_pair(options: dict[str, Any], output: Path, workers: int | None, scheduler: str | None) -> None:
-    """Compute a measured pair, and write a table of the joint for each combination of mu0 and tau0."""
+    """Compute a measured pair, and write its contact law as a table for each combination of mu0 and tau0."""
     from stiction.cli.execution import compute_result_in_directory, open_executor
     from stiction.study.pair_options import validate_option_values
     from stiction.study.pair_study import build_study_from_options

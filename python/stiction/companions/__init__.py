@@ -1,1 +1,1 @@
-"""Further results of a pair: onset of sliding, friction with scaled heights or other cutoffs, and single contacts."""
+"""Further computations for a pair: onset of sliding, scaled heights, other cutoffs, and single contacts."""

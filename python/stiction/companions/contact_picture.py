@@ -1,4 +1,4 @@
-"""Contact map of a typical member, stored with a result, and tables of all single contacts.
+"""Contact map of a typical member, for storage with a result; tables of the contacts of any member.
 
 A result stores only sums over contacts, so the contact of each selected member is computed again.
 """
@@ -254,7 +254,7 @@ def _build_disc_map(lower: Surface, table: ContactList) -> NDArray[Any]:
 def build_contact_table(
     result: MemberSums, loads: ArrayLike, members: int | Sequence[int] | None = None
 ) -> pandas.DataFrame:
-    """Return a table with one row per contact of the selected members, at given normal loads without friction (mN).
+    """Return a table with one row per contact of the selected members, at given loads (mN) without friction.
 
     `Result.contacts` describes the columns.
     """
@@ -303,7 +303,7 @@ def _validate_member_indices(members: int | Sequence[int], available: list[int])
 def _select_members_at_loads(
     areas: xarray.DataArray, loads: Floats, indices: list[int] | None
 ) -> Iterator[tuple[float, int]]:
-    """Yield each load (mN) with each selected member or, by default, with the typical member at this load."""
+    """Yield pairs of a load (mN) and a member: all selected members, or the most typical member if none is selected."""
     for load in loads.tolist():
         if indices is not None:
             yield from ((load, index) for index in indices)

@@ -1,4 +1,4 @@
-"""Friction and true area of a measured pair with heights multiplied by a factor, as a model of another finish.
+"""Friction and true area of a measured pair whose heights are multiplied by a factor, to model another finish.
 
 A separate study is computed for each factor, and stored in the directory of the result. Friction at other factors is
 interpolated.
@@ -204,7 +204,7 @@ def scale_study_heights(study: Study, factor: float, scaled: ScaledBodies) -> St
 
 
 def find_factor_study(study: Study, path: Path, factor: float, scaled: ScaledBodies) -> CompanionStudy:
-    """Return the study of a pair with heights of chosen bodies multiplied by a factor, and the study's directory."""
+    """Return the study of a pair with scaled heights of the chosen bodies, and the directory of this study."""
     return CompanionStudy(
         scale_study_heights(study, factor, scaled), path / HEIGHT_SCALE_DIRECTORY / f"{scaled}-{factor:.6g}"
     )

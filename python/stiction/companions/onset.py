@@ -67,7 +67,7 @@ _STATISTIC_NAMES = ["mean", "lower", "upper"]
 
 
 def import_fit_packages(study: Study) -> None:
-    """Import in advance the packages that fit presliding models, because the import takes 0.2 s.
+    """Import the packages for fits of presliding models, so that a later fit does not wait for the import.
 
     Nothing is imported for a free half-plane, because an onset curve without displacements is not fitted.
     """
@@ -120,7 +120,7 @@ def _find_onset_members(study: Study, count: int | None) -> range:
 
 
 def estimate_onset_time(study: Study, members: int | None = None) -> float:
-    """Estimate the time (s) on one core that `compute_onset` takes.
+    """Estimate the computing time (s) of `compute_onset` on one core.
 
     The time is 0 in the asperity model.
     """
@@ -206,7 +206,7 @@ The dataset of the onset stores the parameters as attributes, such as "iwan_chi"
 
 
 def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
-    """Fit the Iwan and the LuGre model to the mean onset curve, and return the model parameters by attribute name."""
+    """Fit the Iwan and the LuGre model to the mean onset curve; return their parameters keyed by attribute name."""
     curve = onset.sel(statistic="mean")
     displacement, load = (np.asarray(curve[name].values) for name in ("displacement", "tangential_load"))
     sliding_load = float(curve["sliding_load"])
@@ -432,7 +432,7 @@ _MICROMETRE_ATTRIBUTES = {"units": "um"}
 
 
 def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
-    """Return a map of the tangential load at which each point starts to slip, as a fraction of the sliding load.
+    """Return a map of the tangential load at which each grid point starts to slip, as a fraction of the sliding load.
 
     In the asperity model, each contact has such a load instead of each grid point. The variables include the heights of
     the lower body. In large maps, each block of neighbouring points is represented by the point that slips first. For
@@ -471,7 +471,7 @@ def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
 
 
 def _find_block_minima(values: Floats, block_size: int) -> Floats:
-    """Return the minimum of each square block of a map, ignoring NaN; NaN for a block without numbers."""
+    """Return the minimum of each square block of a map; NaN is ignored unless the block contains nothing else."""
     rows, columns = (-(-size // block_size) * block_size for size in values.shape)
     padded_map = np.full((rows, columns), np.inf)
     padded_map[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), np.inf, values)

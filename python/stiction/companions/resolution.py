@@ -53,7 +53,7 @@ MAX_CUTOFF_TO_SIDE_RATIO = 1 / 30
 
 
 def build_cutoff_study(study: Study) -> Study | None:
-    """Return the study of a measured pair at several cutoffs, with few members and only the requested loads.
+    """Return a study that computes a measured pair at several cutoffs, for few members and the requested loads.
 
     The first cutoff is the cutoff of the original study. The second cutoff is the shortest resolved wavelength if the
     scans are unfiltered, or twice the first cutoff if they are filtered. Each further cutoff is twice the previous one.
@@ -149,7 +149,7 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
 
 @dataclass(frozen=True, eq=False)
 class ResolvedRoughness:
-    """Roughness of the gap at the wavelengths that the scans resolve, with an extrapolation to shorter wavelengths."""
+    """Roughness of the gap over the wavelengths in the scans, and its extrapolation to shorter wavelengths."""
 
     # Shortest resolved wavelength (µm): the cutoff or two grid spacings, whichever is larger.
     shortest: float
@@ -162,11 +162,11 @@ class ResolvedRoughness:
 
     @property
     def shortest_octave_fraction(self) -> float:
-        """Fraction of the mean square slope of the gap that the shortest resolved octave of wavelengths contributes."""
+        """Fraction of the gap's mean square slope that comes from the octave of the shortest wavelengths."""
         return float(self.roughness.fraction_below(2 * self.shortest))
 
     def find_yield_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
-        """Estimate the cutoff (µm) at which elastic contacts have `ratio` times the pressure of unfiltered contacts.
+        """Estimate the cutoff (µm) at which the elastic pressure is `ratio` times that at the scans' resolution.
 
         The scans contain all wavelengths from the shortest resolved one. Returns the cutoff with its lower and upper
         limit.
@@ -176,7 +176,7 @@ class ResolvedRoughness:
         return brackets.plastic_wavelength(self.roughness, self.estimate, gradient, kappa_factor)
 
     def extrapolate_to_finer_scans(self, area_fraction: float, contact_count: float) -> tuple[Floats, Floats, Floats]:
-        """Extrapolate the rms gradient of the gap, and the area fraction of elastic contacts, to shorter wavelengths.
+        """Extrapolate the gap's rms gradient, and the area fraction of elastic contacts, to finer scans.
 
         Returns the shortest wavelengths (µm) of the finer scans, the gradients, and the area fractions. Gradients and
         area fractions are triples of value, lower limit and upper limit.
@@ -193,7 +193,7 @@ class ResolvedRoughness:
 
 
 def find_resolved_roughness(study: Study) -> ResolvedRoughness | None:
-    """Compute the roughness of the gap at resolved wavelengths, with an extrapolation to shorter wavelengths.
+    """Compute the roughness of the gap over the wavelengths in the scans, and extrapolate to shorter ones.
 
     Returns None if the bodies are generated or scan files are missing.
     """
@@ -227,7 +227,7 @@ def _compute_resolved_roughness(study: Study) -> ResolvedRoughness:
 
 
 def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, float] | None:
-    """Return lower bounds on mu_s and on the true area fraction for all finer scans, if the bodies can yield.
+    """Return lower bounds of mu_s and of the true area fraction for all finer scans, if the bodies yield.
 
     With friction at all contacts, the bound of mu_s is mu0 + tau0/H'. If the interface is stronger than the softer body
     with shear strength k, the bound is k/(H/2). The bound of the area fraction is p/H, where p is the nominal pressure.
@@ -241,7 +241,7 @@ def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, floa
 
 @dataclass(frozen=True)
 class YieldWavelengthEstimate:
-    """Cutoff at which the pressure of elastic contacts reaches a hardness, and the friction of yielding contacts."""
+    """Cutoff at which the mean pressure of elastic contacts equals a hardness, and friction of yielding contacts."""
 
     hardness: float
     # Cutoff (µm) below which elastic contacts would yield; NaN if the mean pressure stays below the hardness.
@@ -321,7 +321,7 @@ def _build_cutoff_result(point: xarray.Dataset, study: Study) -> CutoffResult:
 def estimate_yield_wavelengths(
     point: xarray.Dataset, study: Study, resolved_roughness: ResolvedRoughness
 ) -> tuple[YieldWavelengthEstimate, ...]:
-    """Estimate the cutoffs (µm) at which the elastic contact pressure equals each of several typical hardnesses.
+    """Estimate the cutoff (µm) at which the elastic pressure equals the hardness, for several typical hardnesses.
 
     At such a wavelength λ, the elastic mean pressure E* h'(λ)/κ equals the hardness, where κ is the value for this
     result.
@@ -405,7 +405,9 @@ def find_resolution_limits(points: xarray.Dataset, study: Study) -> ResolutionLi
 
 
 def _estimate_friction_from_spectra(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:
-    """Estimate the friction of a pair in closed form, if a body has a spectrum that is joined from several scans.
+    """Estimate the friction of a pair without a contact solution, from the joined spectra of the scans.
+
+    A joined spectrum combines several scans of a body.
 
     Returns None if neither body has a joined spectrum.
     """

@@ -138,7 +138,7 @@ def at_load(
 def _find_bracketing_loads(
     result: MemberSums, loads: Floats
 ) -> tuple[Floats, tuple[NDArray[np.intp], NDArray[np.intp]], Floats] | None:
-    """Find, for each requested load, the computed loads (mN) directly below and above it, between which to interpolate.
+    """Find the two computed loads (mN) next to each requested load: one below, and one above.
 
     Returns None if no load is interpolated.
 
@@ -163,7 +163,7 @@ def _find_bracketing_loads(
 def estimate_small_slope_friction(
     dims: list[str], gradient: Floats, slope: Floats, rules: Iterable[Any], mu0: Floats, tau0: Floats, modulus: float
 ) -> dict[str, Any]:
-    """Estimate the friction coefficient for small surface slopes from the rms gradient and rms slopes of the gap.
+    """Estimate the friction coefficient for small slopes from the rms gradient and the rms slopes of the gap.
 
     The rms gradients have the shape (...), and the rms slopes have the shape (..., direction).
     """

@@ -103,7 +103,7 @@ def add_uncertainty(
 
 
 def evaluate_alternatives(result: MemberSums, at: xarray.Dataset) -> dict[AlternativeName, xarray.Dataset]:
-    """Evaluate friction for each alternative preparation of the scans, at every load, mu0 and tau0 in a dataset.
+    """Evaluate friction again for other ways to prepare the scans, at every load, mu0 and tau0 of a dataset.
 
     The datasets of the last call are cached.
     """
@@ -186,7 +186,7 @@ def _evaluate_with_interface_strength(result: MemberSums, load: float, strength:
 def _add_own_uncertainty(
     at: xarray.Dataset, result: MemberSums, *, budget: bool, tests: bool, strength: InterfaceStrength | None = None
 ) -> xarray.Dataset:
-    """Return a dataset with combined intervals and an uncertainty budget added, for one preparation of the scans.
+    """Return a dataset with combined intervals and an uncertainty budget that ignore other preparations of the scans.
 
     If given, `strength` replaces the interface of the study.
     """
@@ -213,7 +213,7 @@ def _evaluate_uncertainty(
     tests: bool,
     strength: InterfaceStrength | None,
 ) -> tuple[_VariablesByName, dict[str, Any]]:
-    """Compute combined intervals and uncertainty budgets at the loads, mu0 and tau0 of a dataset.
+    """Compute the combined intervals and uncertainty budgets for all loads, mu0 and tau0 in a dataset.
 
     `is_budgeted` is a mask of the loads at which uncertainty budgets are computed, or None to omit the budgets.
     """
@@ -308,7 +308,7 @@ _UncertainInputsAndStrengthSamples = tuple[dict[str, StudyInput], list[JointSamp
 def find_inputs_and_strengths(
     study_inputs: Inputs, strength: InterfaceStrength | None = None, pair_checksum: str = ""
 ) -> _UncertainInputsAndStrengthSamples:
-    """Return the uncertain inputs of a study, and samples of mu0 and tau0 if the interface was calibrated.
+    """Return the uncertain inputs of a study. For a calibrated interface, also return samples of mu0 and tau0.
 
     The joint samples contain each input that also affected the tests of the interface, because its error is the same in
     the tests and in the pair. If both give the input ranges with the same central value, the narrower range applies.
@@ -331,7 +331,7 @@ def find_inputs_and_strengths(
 
 
 def _label_interface(study_inputs: Inputs, joint_samples: JointSamples) -> str:
-    """Return the label of an interface in the uncertainty budget, including the names of jointly sampled inputs."""
+    """Return the label of an interface in the uncertainty budget. It names the inputs sampled with the interface."""
     names = sorted(joint_samples.inputs, key=lambda name: name != "hardness")
     labels = [study_inputs.uncertain[name].label for name in names]
     if len(labels) > MAX_NAMED_SHARED_INPUTS:
@@ -340,7 +340,7 @@ def _label_interface(study_inputs: Inputs, joint_samples: JointSamples) -> str:
 
 
 def find_slope_drifts(attributes: Mapping[str, Any]) -> dict[str, float]:
-    """Return the standard deviation of ln(rms gap slope) between places on a body, from the drift in its single scan.
+    """Estimate how much ln(rms slope of the gap) varies between places on a body, from the drift along its scan.
 
     The keys name the body with a single scan: upper scans or lower scans. The slope at another place on a body is
     assumed to differ by as much as the slopes at the two ends of the scan.
@@ -352,7 +352,7 @@ def find_slope_drifts(attributes: Mapping[str, Any]) -> dict[str, float]:
 def _average_pairs_of_scans(
     result: MemberSums, at: xarray.Dataset, dims: Sequence[str]
 ) -> dict[tuple[int, ...], ScanPairMean | None]:
-    """Average each friction coefficient over all pairs of scans, and return each mean with its variance components.
+    """Average each friction coefficient over all pairs of scans; return the means and their variance components.
 
     The components are the variances due to upper scans, lower scans and positions. The result is empty for a single
     pair of scans.
@@ -475,7 +475,7 @@ def _estimate_area_errors(adhesive_sums: Floats, axis: int, **_: Any) -> Floats:
 
 
 def _find_budgeted_loads(is_study_load: NDArray[np.bool_], num_coefficients: int) -> NDArray[np.bool_]:
-    """Return a mask of the loads at which uncertainty budgets are computed.
+    """Return a boolean array that is True for each load at which uncertainty budgets are computed.
 
     `MAX_BUDGETED_COEFFICIENTS` limits the coefficients at all study loads together, and at each further load alone.
     Therefore, the budget at a load does not depend on other loads that are evaluated in addition.
@@ -488,7 +488,7 @@ def _find_budgeted_loads(is_study_load: NDArray[np.bool_], num_coefficients: int
 def _widen_intervals_to_alternatives(
     original: xarray.Dataset, alternatives: Mapping[AlternativeName, xarray.Dataset]
 ) -> xarray.Dataset:
-    """Widen the intervals of a dataset to include the intervals for alternative preparations of the scans.
+    """Widen intervals to include the intervals that result if the scans are prepared in other ways.
 
     The names of the alternatives become the attribute `alternatives`. The uncertainty budget gets one row per
     alternative: the interval that would remain without this alternative. Each other row is extended by the same row in
@@ -566,7 +566,7 @@ def _get_remaining_intervals(at: xarray.Dataset, names: Iterable[str], dims: Seq
 
 
 def _find_budgeted_coefficients(at: xarray.Dataset, dims: Sequence[Any]) -> NDArray[np.bool_]:
-    """Return a mask of the coefficients for which the dataset contains an uncertainty budget."""
+    """Return a boolean array that is True for each coefficient with an uncertainty budget in the dataset."""
     remaining_widths = at["remaining_width"].transpose("input", *dims[:-1]).values
     return np.asarray(~np.isnan(remaining_widths).all(axis=0)[..., np.newaxis])
 

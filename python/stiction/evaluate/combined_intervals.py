@@ -136,7 +136,7 @@ def compute_quantity_ratios(
 
 @dataclass(frozen=True)
 class _InputSamples:
-    """Random samples of the uncertain inputs, and of errors of means that are taken over scans or over positions."""
+    """Random samples of the uncertain inputs, and of the errors of means over scans or over positions."""
 
     probabilities: dict[str, Floats]
     scores: dict[str, Floats]
@@ -298,7 +298,7 @@ class CombinedIntervals:
         )
 
     def _split_relative_error_by_source(self, lower: float, upper: float, value: float) -> dict[str, float]:
-        """Split the relative standard error of a mean into three errors, due to upper scans, lower scans and positions.
+        """Split the relative standard error of a mean into the errors from upper scans, lower scans and positions.
 
         Zeros are omitted.
         """
@@ -331,7 +331,7 @@ class CombinedIntervals:
     # ---- Friction ----------------------------------------------------------------------------------------------------
 
     def estimate_zero_coefficient(self) -> tuple[float, float, float]:
-        """Return the friction coefficient with 95 % limits if it is 0; NaN otherwise, or if mu0 and tau0 are exact.
+        """Return the friction coefficient and its 95 % limits if the coefficient is 0; otherwise, return NaN.
 
         Relative errors of such a coefficient are undefined. Therefore, the interval is computed from samples of mu0 and
         tau0. It contains the coefficient and the interval of its mean, and its lower limit is at least 0. The result is
@@ -353,7 +353,7 @@ class CombinedIntervals:
         return value, max(lower_limit, 0.0), upper_limit
 
     def interval(self, fixed: Mapping[str, float] = _NO_FIXED_INPUTS) -> Interval:
-        """Return the combined 95 % interval of the friction coefficient. Each input in `fixed` is kept at one quantile.
+        """Return the combined 95 % interval of the friction coefficient; inputs in `fixed` stay at given quantiles.
 
         The interval contains the coefficient. Unless `fixed` contains these sources, it also contains the interval of
         the mean and the range of coefficients for finer scans.
@@ -424,7 +424,7 @@ class CombinedIntervals:
 
     @cached_property
     def _next_test_samples(self) -> list[tuple[Floats, Floats]]:
-        """Samples of the friction coefficient in one further test, and samples of an upper limit of this coefficient.
+        """Samples of the friction coefficient that one further test would measure, and of an upper limit for it.
 
         Student's t distribution applies to the logarithm of the coefficient, so that the coefficient is above 0. The
         test is at another place of a body whose roughness drifts, so that the drift counts twice. The list has one pair
@@ -503,7 +503,7 @@ class CombinedIntervals:
         return self._compute_interval_of_samples(fixed)
 
     def _compute_interval_of_samples(self, fixed: Mapping[str, float], dwell_time: float = 1.0) -> Interval:
-        """Return the 95 % interval of the friction coefficient, computed from random samples of the uncertain inputs.
+        """Sample the uncertain inputs, and return the 95 % interval of the resulting friction coefficients.
 
         For a calibrated interface, the interval also includes the intervals for mu0 = 0 and for tau0 = 0, if the tests
         permit such an interface. The interval is cached for further evaluations of the same coefficient, possibly
@@ -527,12 +527,12 @@ class CombinedIntervals:
 
     @property
     def _coverages(self) -> list[float]:
-        """Coverage of each interval, one per entry in `strengths`: the fraction of samples inside it, such as 0.95."""
+        """Fraction of samples that each interval must contain, such as 0.95; one fraction per entry in `strengths`."""
         return [each.coverage for each in self.strengths] or [INTERVAL_COVERAGE]
 
     @property
     def _intervals_without_upper_limit(self) -> list[Interval]:
-        """List with one interval [value, ∞) if friction has no upper limit at the central inputs, or an empty list."""
+        """List with the interval [value, ∞) if the central inputs give friction without an upper limit; else empty."""
         return [Interval(self.value, math.inf)] if self._central.has_no_upper_limit else []
 
     def _sample_all_strengths(
@@ -550,7 +550,7 @@ class CombinedIntervals:
     def _sample_friction(
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, strength_index: int = 0, drift_factor: float = 1.0
     ) -> tuple[Floats, Floats]:
-        """Return samples of the friction coefficient, and for each sample an upper limit, which may be infinite.
+        """Return samples of the friction coefficient and of its upper limit; the upper limit may be infinite.
 
         `strength_index` selects an entry of `strengths`, if there are any. If unresolved roughness may change the
         coefficient, the samples are spread between the lowest and the highest coefficient for finer scans.
@@ -625,7 +625,7 @@ class CombinedIntervals:
     def _insert_interface_samples(
         self, inputs: InputValues, samples: _InputSamples, strength_index: int
     ) -> InputValues:
-        """Return a copy of the inputs with joint samples of mu0, tau0 and the inputs shared with tests of an interface.
+        """Return a copy of the inputs with samples of the interface: mu0, tau0, and the inputs shared with its tests.
 
         The joint samples are sorted by the coefficient that they give, so quantiles of the joint samples are also
         quantiles of the coefficient.
@@ -654,7 +654,7 @@ class CombinedIntervals:
 
 @lru_cache(maxsize=8)
 def _compute_test_scores(freedom: float, num_dimensions: int) -> Floats:
-    """Return stratified samples from Student's t distribution with `freedom` degrees of freedom."""
+    """Return stratified samples of Student's t distribution with `freedom` degrees of freedom."""
     from scipy.special import stdtrit
 
     return make_read_only(np.asarray(stdtrit(freedom, generate_stratified_points(num_dimensions)[:, -1])))
@@ -714,7 +714,7 @@ def compute_quantiles(
 def _find_quantiles(
     probabilities: Floats, values: NDArray[Any], axis: int | None, method: Literal["inverted_cdf", "linear"]
 ) -> Floats:
-    """Return the same quantiles as `numpy.quantile`, but compute quantiles of a whole array about five times as fast.
+    """Compute the same quantiles as `numpy.quantile`, but about five times as fast if `axis` is None.
 
     `numpy.partition` uses SIMD instructions only for a single index, and `numpy.quantile` passes several indices.
     """
@@ -746,7 +746,7 @@ def _interpolate_quantile(probability: float, values: NDArray[Any]) -> float:
 
 
 def extend_percentiles(percentiles: Floats, other_percentiles: Iterable[Floats]) -> Floats:
-    """Widen the range of percentiles of the friction coefficient, so that it encloses all of `other_percentiles`.
+    """Widen the range of the percentiles of friction so that it contains all percentiles in `other_percentiles`.
 
     The median, and missing percentiles, are kept. NaN in the other percentiles is ignored.
     """

@@ -1,4 +1,4 @@
-"""Check of requested loads against a result: loads outside the computed range, and loads without a coefficient."""
+"""Comparison of requested loads with the loads of a result: which loads lack a coefficient, and why."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def find_loads_without_values(result: MemberSums, values: xarray.Dataset) -> lis
 
 
 def find_computed_load_range(result: MemberSums, values: xarray.Dataset | None = None) -> tuple[float, float]:
-    """Return the smallest and the largest computed load (mN) without friction, each averaged over members.
+    """Return the smallest and the largest computed load (mN) without friction, as means over the members.
 
     If a selection from `Result.at` is given as `values`, only its cutoffs, or its dimensions D and amplitudes, are
     considered.

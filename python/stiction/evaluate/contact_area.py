@@ -134,7 +134,7 @@ class AreaFunction:
     def _compute_area_at_pressure(
         self, pressure: Floats | None, load: ArrayLike, elastic_area: Floats, yield_exponent: ArrayLike | None
     ) -> Floats:
-        """Return the true area (µm²) of contacts that yield at `pressure` (GPa), or of elastic contacts for None."""
+        """Return the true area (µm²) of contacts that yield at `pressure` (GPa). None stands for elastic contacts."""
         if pressure is None:
             return elastic_area
         exponent = self.yield_exponent if yield_exponent is None else yield_exponent
@@ -146,7 +146,7 @@ class AreaFunction:
         yield_exponent: ArrayLike | None = None, elastic_area: Floats | None = None,
         size_effect: ArrayLike = CENTRAL_SIZE_EFFECT_LENGTH, yield_pressure: Floats | None = None,
     ) -> OnsetState:  # fmt: skip
-        """Return the state of the contacts at the onset of sliding, such as their true area.
+        """Return the true area, the friction and other quantities of the contacts at the onset of sliding.
 
         `yield_pressure` is the pressure (GPa) of yielding contacts under this law at this load, if computed before. All
         other arguments are the same as for `__call__`.
@@ -171,7 +171,7 @@ class _SolvedAreas:
 
 
 def _average_solved_areas(result: MemberSums) -> _SolvedAreas:
-    """Average the stored true areas over all members cut from scans or, without such members, over the surrogates."""
+    """Average the stored true areas over members cut from scans, or over surrogates if no member is from a scan."""
     study = result.study
     has_elastic_areas = study.contact.yield_exponent is not None
     first_index = study.surfaces.first_scan_member_index
@@ -241,7 +241,7 @@ def build_area_functions(result: MemberSums) -> list[AreaFunction]:
 def compute_onset_area_and_friction_factors(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats
 ) -> tuple[Floats, Floats]:
-    """Return the factors by which shear changes true area and friction force before the contacts slide.
+    """Return the factors by which shear changes the true area and the friction force before sliding starts.
 
     The growth is the true area divided by the area before shear. The friction fraction is
     `OnsetState.friction_fraction`. Both arrays have the shape (cells, loads, mu0, tau0). The growth is infinite at
@@ -260,7 +260,9 @@ def compute_onset_area_and_friction_factors(
 
 
 def _estimate_contact_depths(result: MemberSums) -> Floats | None:
-    """Return the depth (µm) of indentations with the strain gradient of the contacts, for each cutoff and loading step.
+    """Return the depth (µm) of an indentation that has the same strain gradient as the contacts.
+
+    The depth is given for each cutoff and each loading step.
 
     Returns None if the depth of the indentation that measured the hardness is unknown. The contacts have the true area
     at the measured hardness.
@@ -276,7 +278,7 @@ def _estimate_contact_depths(result: MemberSums) -> Floats | None:
 
 
 def _average_contact_loads(result: MemberSums) -> Floats | None:
-    """Average the contact load (mN, external load plus attraction) over members, for each cutoff and loading step."""
+    """Average the load on the contacts (mN; external load plus attraction) over members, per cutoff and step."""
     if "contact_load" not in result.head.variables:
         return None
     return np.asarray(result.means(["contact_load"])["contact_load"].transpose("cut_off", "load").values)
@@ -319,7 +321,7 @@ def compute_exponents(loads: Floats, values: Floats) -> Floats:
 
 
 def compute_yield_factors(result: MemberSums) -> Floats | None:
-    """Return the ratio of the true area of yielding contacts to the stored area, for each cutoff and each loading step.
+    """Return true area of yielding contacts / stored contact area, for each cutoff and each loading step.
 
     The stored area is that of contacts whose pressure is limited to the hardness. Returns None if both areas are equal,
     because the bodies are elastic or the result has no elastic areas.
@@ -334,7 +336,7 @@ def compute_yield_factors(result: MemberSums) -> Floats | None:
 
 
 def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
-    """Return the ratio of the true area of contacts with a given hardness (GPa) to the stored area."""
+    """Return true area / stored area for contacts with a given hardness (GPa), per cutoff and loading step."""
     contact: Any = result.study.contact
     areas, loads = result.compute_once(_average_solved_areas), contact.loading_steps()
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -353,7 +355,7 @@ def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
 
 
 def iterate_pieces_with_true_areas(result: MemberSums, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-    """Yield the members in groups, with the true area of yielding contacts instead of the stored contact area.
+    """Yield groups of members in which the true area of yielding contacts replaces the stored contact area.
 
     The scaled sums are `AREA_PROPORTIONAL_SUM_NAMES`. All other sums are those of the half-space solution.
     """

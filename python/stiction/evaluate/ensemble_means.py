@@ -91,7 +91,7 @@ def _evaluate_direction_groups(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, quantities: Sequence[str],
     groups: NDArray[np.intp] | None = None, *, includes_ratios: bool,
 ) -> dict[str, xarray.Dataset]:  # fmt: skip
-    """Evaluate quantities at given mean normal loads, and average them over each group of directions of motion.
+    """Average over the directions of motion in each group, and evaluate quantities at given mean normal loads.
 
     The groups are direction indices with the shape (groups, directions). Without groups, no average is computed.
     """
@@ -139,7 +139,9 @@ def _add_statistic_dimension(table: xarray.Dataset, name: str) -> xarray.Variabl
 def compute_ensemble_friction(
     result: MemberSums | xarray.Dataset, loads: Floats, mu0: Floats, tau0: Floats
 ) -> xarray.DataArray:
-    """Return the friction coefficient mean(F_T) / mean(F_N) and its jackknife interval, at loads without friction (mN).
+    """Return the friction coefficient mean(F_T) / mean(F_N) with its jackknife interval, at given loads (mN).
+
+    The given loads are those that the contacts carry without friction.
 
     The means are taken over members and directions. The dimensions are cells, sliding, load, mu0, tau0 and statistic.
     The coefficient is NaN if mean(F_N) is not above 0.

@@ -52,7 +52,7 @@ def student_quantile(freedom: ArrayLike) -> Floats:
 
 @dataclass(frozen=True)
 class LoadCrossings:
-    """Positions on load curves at which the curves first reach requested loads.
+    """Points where load curves first reach the requested loads: loading step, and position between two steps.
 
     A crossing lies between the steps index - 1 and index, at a fraction of the distance between them.
     """
@@ -101,12 +101,12 @@ class LoadCrossings:
         return cls(index, fraction, reached, ~reached & is_at_least_load[..., 0, :])
 
     def without_crossings_after_nan(self, curve: Floats, loads: Floats) -> LoadCrossings:
-        """Return a copy without crossings just after a NaN in `curve`, unless the next value is the requested load."""
+        """Return a copy without crossings after a NaN in `curve`, unless `curve` equals the load at the crossing."""
         value_before, value_at_crossing = self._get_bracketing_values(curve)
         return replace(self, reached=self.reached & (np.isfinite(value_before) | (value_at_crossing == loads)))
 
     def _get_bracketing_values(self, curve: Floats) -> tuple[Floats, Floats]:
-        """Return the values of a curve at the loading steps before and after each crossing."""
+        """Return the values of a curve at the two loading steps that enclose each crossing."""
         values_before, values_after = (
             np.take_along_axis(curve, index, axis=-1) for index in (np.maximum(self.index - 1, 0), self.index)
         )
@@ -150,7 +150,7 @@ class LoadCrossings:
         return self.scale[1]
 
     def interpolate_with_slopes(self, values: Floats, slopes: Floats) -> tuple[Floats, Floats]:
-        """Interpolate an increasing quantity and its derivative d/d ln(load) by cubics, at the requested loads.
+        """Interpolate an increasing quantity and its derivative d/d ln(load) at the requested loads, with cubics.
 
         The arrays have the shape (..., k), and the results have the shape (..., l). The crossings must have been found
         with `interpolates_ratio`. Between two loading steps, slopes are limited so that the cubic increases (Fritsch &
@@ -252,18 +252,18 @@ class MeansAtLoads:
         self._num_carrying = np.zeros(normal.shape[0], np.intp)
 
     def add_repetitions(self, normal: Floats, quantities: Sequence[Floats]) -> None:
-        """Add further repetitions, as arrays (curves, steps, repetitions), to the sums for the jackknife intervals."""
+        """Add repetitions, in arrays of the shape (curves, steps, repetitions), to the sums for jackknife intervals."""
         self._num_carrying += np.count_nonzero(normal.any(axis=1), axis=1)
         points = {"curve": self._curve, "step": self._index, "fraction": self._fraction, "load": self._load}
         for quantity, values in zip(self._quantities, quantities, strict=True):
             quantity.add_repetitions(normal, values, points, self._repetitions)
 
     def mean(self, quantity: int) -> Floats:
-        """Return the means of one quantity as an array (curves, loads)."""
+        """Return the means of one quantity in an array of the shape (curves, loads)."""
         return self._arrange_over_loads(self._quantities[quantity].mean)
 
     def interval(self, quantity: int) -> tuple[Floats, Floats]:
-        """Return the limits of the interval of one quantity, each as an array (curves, loads).
+        """Return the limits of the interval of one quantity, in arrays of the shape (curves, loads).
 
         Call this method after all repetitions have been added.
         """
@@ -281,14 +281,14 @@ class MeansAtLoads:
         return np.asarray(values_before + self._fraction * (values_after - values_before))
 
     def _arrange_over_loads(self, values_at_crossings: Floats) -> Floats:
-        """Convert one number per crossing to an array (curves, loads), with NaN where a load is not reached."""
+        """Arrange one number per crossing in an array (curves, loads); NaN marks loads that a curve does not reach."""
         values_at_loads = np.full(self.crossing.reached.shape, np.nan)
         values_at_loads[self.crossing.reached] = values_at_crossings
         return values_at_loads
 
 
 class _QuantityAtLoads:
-    """Mean of one quantity at each requested load, with the power sums that determine its jackknife interval."""
+    """Mean of a quantity at each requested load, and the sums from which its jackknife interval is computed."""
 
     def __init__(self, mean: Floats, slope: Floats, load: Floats, num_curves: int) -> None:
         self.mean, self._slope, self._load = mean, slope, load
@@ -299,7 +299,7 @@ class _QuantityAtLoads:
     def add_repetitions(
         self, normal: Floats, values: Floats, points: Mapping[str, NDArray[Any]], total_repetitions: int
     ) -> None:
-        """Add further repetitions, as arrays (curves, steps, repetitions), to the sums for the jackknife intervals."""
+        """Add repetitions, in arrays of the shape (curves, steps, repetitions), to the sums for jackknife intervals."""
         self.has_negative_values |= (values < 0).any(axis=(1, 2))
         power_sums = _core.jackknife_sums(
             normal, values, **points, mean=self.mean, slope=self._slope, total_repetitions=total_repetitions
@@ -331,7 +331,7 @@ class _QuantityAtLoads:
 
 
 class PowerSums:
-    """Power sums (first to fourth powers) of jackknife values, from which the half width of an interval is computed."""
+    """Sums of the first to fourth powers of jackknife values, which determine the half width of an interval."""
 
     def __init__(self, shape: tuple[int, ...]) -> None:
         self._count = 0
@@ -371,7 +371,7 @@ class PowerSums:
 
 
 def _fit_slopes(quantities: Sequence[Floats], normal: Floats, index: NDArray[np.intp]) -> list[Floats]:
-    """Return d(quantity)/d(normal load) at given loading steps, as slopes of straight lines fitted to nearby steps.
+    """Return d(quantity)/d(normal load) at given loading steps, from straight lines fitted to nearby steps.
 
     Quantities and loads have the shape (p, k), and the indices of the loading steps have the shape (p,).
     """
@@ -383,7 +383,7 @@ def _fit_slopes(quantities: Sequence[Floats], normal: Floats, index: NDArray[np.
     count = is_inside.sum(axis=1, keepdims=True)
 
     def compute_deviations(curves: Floats) -> Floats:
-        """Return each curve minus its mean over the fitted loading steps, padded with 0 after the last step."""
+        """Return each curve minus its mean over the fitted steps. Entries outside the fitted steps are 0."""
         values = np.where(is_inside, np.take_along_axis(curves, window_indices, axis=1), 0.0)
         return np.where(is_inside, values - values.sum(axis=1, keepdims=True) / count, 0.0)
 
@@ -432,7 +432,9 @@ def interval_around_mean(mean: ArrayLike, half_width: ArrayLike, is_signed: Arra
 
 @lru_cache(maxsize=32)
 def _compute_mixture_constants(count: int) -> tuple[Floats, Floats, float, float]:
-    """Return, for trial correlations of adjacent values, the constants in the interval of a mean of `count` values.
+    """Return the constants of the interval of a mean of `count` correlated values, for several trial correlations.
+
+    The trial correlations are those of adjacent values.
 
     With the correlation matrix R of the values, the constants are 1' R^-1 1, the variance of the mean relative to that
     of a value, and the two-sided 95 % quantile and the peak density of Student's t distribution.
@@ -468,7 +470,7 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
-    """Return the interval limits of the mean of each row, whose numbers may be correlated with their neighbours.
+    """Return the limits of the interval of each row's mean; neighbouring numbers in a row may be correlated.
 
     Returns NaN for rows of equal values.
 
@@ -617,7 +619,7 @@ def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[n
 
 
 def _single_test_degrees_of_freedom(components: Floats, freedoms: Floats) -> float:
-    """Return the degrees of freedom of the variance of a single test, which is the sum of several variance components.
+    """Return the degrees of freedom of a single test's variance, which is a sum of variance components.
 
     The degrees of freedom are limited, so that the interval is at least as wide as the interval from each component
     alone. With two scans, the variance between scans has one degree of freedom. If the estimate of this variance is

@@ -53,14 +53,14 @@ def has_only_negligible_loads(result: MemberSums) -> bool:
 
 
 def replace_zero_load(result: MemberSums, loads: Floats) -> Floats:
-    """Return the loads (mN) sorted and without duplicates. For adhesive bodies, a negligible load replaces 0."""
+    """Sort loads (mN) and remove duplicates. For adhesive bodies, replace the load 0 by a negligible load."""
     if result.study.contact.adheres and 0 in loads:
         loads = np.where(loads == 0, result.compute_once(find_negligible_load), loads)
     return np.unique(loads)
 
 
 def find_negligible_load(result: MemberSums) -> float:
-    """Return a load (mN) that is negligible compared with the pull-off force, if possible the smallest loading step."""
+    """Return a load (mN) far below the pull-off force: the smallest loading step, or a smaller load if needed."""
     negligible_load = NEGLIGIBLE_LOAD_RATIO * min(_average_pull_off_by_piece(result))
     smallest_step = float(result.study.contact.loading_steps()[0])
     return smallest_step if smallest_step < negligible_load else 0.1 * negligible_load

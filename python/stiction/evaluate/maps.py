@@ -50,7 +50,7 @@ _SUM_NAMES_FOR_RATIOS = ("contact_area", "contact_load", *sorted(VALIDITY_RATIO_
 
 
 def _list_required_variables(quantity: str) -> tuple[str, ...]:
-    """Return the stored variables from which a quantity is computed."""
+    """Return the names of the stored variables from which the named quantity is computed."""
     return _VARIABLES_BY_QUANTITY.get(quantity, tuple(dict.fromkeys((*_LOAD_VARIABLES, quantity))))
 
 
@@ -228,7 +228,7 @@ def move_repetitions_last(variable: xarray.Variable, dims: Sequence[str]) -> NDA
 def iterate_solved_pieces(
     result: MemberSums, names: Iterable[str] | None = None, transform: DatasetTransformation | None = None
 ) -> Iterator[xarray.Dataset]:
-    """Yield the members in groups. Members for which the solver failed at one or more loads are left out."""
+    """Yield groups of members, without those members for which the solver failed at any load."""
     for piece in iterate_pieces_with_true_areas(result, names):
         elastic_loads = piece.variables["normal_elastic"]
         is_solved = np.isfinite(
@@ -311,7 +311,7 @@ def evaluate_ensemble_quantities(
 
 
 class _EnsembleQuantities:
-    """Ensemble means of quantities at given mean normal loads (mN), for all combinations of mu0 and tau0 (GPa)."""
+    """Ensemble means of quantities at given mean normal loads (mN), for each combination of mu0 and tau0 (GPa)."""
 
     def __init__(
         self, head: xarray.Dataset, names: Sequence[str], loads: Floats, mu0: Floats, tau0: Floats,
@@ -356,7 +356,7 @@ class _EnsembleQuantities:
         self, means_by_cell: dict[tuple[int, ...], intervals.MeansAtLoads], averages: Sequence[ContactSums],
         ratio_operands: Mapping[str, Floats], pool: Executor,
     ) -> dict[str, xarray.Dataset]:  # fmt: skip
-        """Return one dataset per quantity, with its means and intervals for each sliding rule, direction and roughness.
+        """Return one dataset per quantity: means and intervals for each sliding rule, direction and kind of surface.
 
         `averages` and `ratio_operands` come from `_average_sums`. The threads of `pool` evaluate the cells.
         """
@@ -366,7 +366,7 @@ class _EnsembleQuantities:
         status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
 
         def evaluate_cell(cell: tuple[int, ...], means: intervals.MeansAtLoads) -> dict[str, NDArray[Any]]:
-            """Store mean quantities for one roughness, direction and sliding rule, and return ratios of quantities."""
+            """Store mean quantities for one surface kind, direction and sliding rule; return ratios of these means."""
             for index, statistics in enumerate(estimates):
                 for array, curve_values in zip(statistics, (means.mean(index), *means.interval(index)), strict=True):
                     array[cell] = _reshape_curves(curve_values, self.shape)
@@ -432,12 +432,12 @@ class _EnsembleQuantities:
 
 
 def _reshape_curves(curve_table: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Reshape an array (curves, loads), with one curve per pair of mu0 and tau0, to an array (loads, mu0, tau0)."""
+    """Convert an array (curves, loads), with one curve per pair of mu0 and tau0, to the shape (loads, mu0, tau0)."""
     return np.moveaxis(curve_table.reshape(*shape[-2:], shape[-3]), -1, 0)
 
 
 def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension: str) -> list[ContactSums]:
-    """Return the sums of forces and areas over each member's contacts, and the sums that determine each named quantity.
+    """Return forces and areas summed over the contacts of each member, and the sums needed for each named quantity.
 
     The first axes of each sum are sliding rule and direction. If a quantity is stored directly, it replaces the area in
     the returned sums.
@@ -467,7 +467,10 @@ def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension:
 
 
 def _get_values_or_nan(dataset: xarray.Dataset, name: str, step_dimension: str) -> NDArray[Any]:
-    """Return a variable with its axes in a fixed order and the repetitions last. A missing variable becomes NaN."""
+    """Return a variable with repetitions on the last axis, or NaN if the dataset lacks this variable.
+
+    All other axes are in a fixed order.
+    """
     dims = [
         *(motion for motion in MOTION_DIMENSION_NAMES if motion in dataset.dims),
         *find_cell_dimensions(dataset),
@@ -492,7 +495,7 @@ def _compute_quantity_values(sums: ContactSums, quantity: str, law: FrictionLaw)
 def _average_sums(
     pieces: Iterable[xarray.Dataset], names: Sequence[str], operand_names: Sequence[str], step_dimension: str
 ) -> tuple[list[ContactSums], dict[str, Floats], int]:
-    """Return means over all members of forces and areas summed over contacts, and of the two operands of each ratio.
+    """Average over all members the forces and areas summed over contacts, and the operands of ratios.
 
     Returns averages of the sums, averages of the operands of ratios, and the number of members. The averages of the
     sums have an axis of length 1 for the members.
@@ -518,7 +521,7 @@ def _average_sums(
 
 
 def warn_if_given_tau0_is_large(result: MemberSums, tau0: ArrayLike | None) -> None:
-    """Warn if a tau0 (GPa) that somebody has entered is so large that its unit is probably wrong.
+    """Warn if a tau0 (GPa) given by the user is so large that its unit is probably wrong.
 
     By default, the tau0 of the study are checked. A tau0 fitted to friction tests causes no warning.
     """

@@ -40,7 +40,7 @@ The sum of areas exceeds the nominal area if asperities overlap.
 
 @dataclass(frozen=True, eq=False)
 class AdjacentLoadValues:
-    """Quantities of all members at the computed loads directly below and directly above each requested load.
+    """Quantities of all members at two computed loads: the next below and the next above each requested load.
 
     The position of a requested load is a fraction of the distance in ln F; it is 0 at a computed load.
     """
@@ -171,7 +171,7 @@ def average_members(
 
 
 def estimate_missing_unloading_stiffnesses(members: xarray.Dataset) -> xarray.Dataset:
-    """Estimate the unloading stiffnesses of those members for which only the loading stiffness was computed.
+    """Estimate the unloading stiffness of each member for which only the loading stiffness was computed.
 
     The missing stiffness is the member's loading stiffness times the ratio of both stiffnesses of the other members.
     Both stiffnesses then have means over the same members: a mean over the few members with both could be below the
@@ -228,7 +228,7 @@ def _average_compliances(
     get_stiffnesses: Callable[[xarray.Dataset], Floats],
     mean_stiffnesses: Floats,
 ) -> Floats:
-    """Return the mean stiffness dF/dδ as the inverse of the mean compliance dδ/dF, averaged over members.
+    """Return the mean stiffness dF/dδ over members, computed as the inverse of their mean compliance dδ/dF.
 
     Where the mean compliance is not above 0, because contacts disappear as the load grows, the mean stiffness remains.
     """
@@ -298,7 +298,7 @@ def include_interpolation_error(
 
 
 def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
-    """Combine the statuses that each friction coefficient has in the members (first axis) into one status.
+    """For each friction coefficient, combine the statuses of all members (first axis) into one status.
 
     The combined status has a coefficient if the status of any member has one. Otherwise, it is the most frequent
     status. The statuses with a coefficient are "ok" and "bulk-shear", whose coefficient is a lower limit.
@@ -313,7 +313,7 @@ def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
 
 
 def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
-    """Return the contact status of each true area fraction, and the fractions; fractions above 1 become 1 or NaN.
+    """Return a contact status for each true area fraction, and the fractions after values above 1 are replaced.
 
     Half-space fractions above 1 become 1. In the asperity model, they become NaN. The fractions have the shape (...,
     3).
@@ -329,7 +329,7 @@ def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tupl
 
 
 def _remove_negative_means(means: Floats, is_removed: NDArray[np.bool_]) -> Floats:
-    """Replace each mean and its limits by NaN where `is_removed` is true. Set other negative means (round-off) to 0.
+    """Replace means and limits by NaN where `is_removed` is True. Replace negative means, due to round-off, by 0.
 
     The last axis contains mean, lower limit and upper limit.
     """
@@ -339,7 +339,7 @@ def _remove_negative_means(means: Floats, is_removed: NDArray[np.bool_]) -> Floa
 
 
 def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Dataset) -> Floats:
-    """Set mean coefficients to 0 if mu0 = tau0 = 0 and the coefficients are not larger than round-off.
+    """Set mean coefficients that are only round-off to 0 if mu0 = tau0 = 0.
 
     The means have the dimensions (*dims, statistic). Without interface strength, the contributions of opposite
     directions cancel except for round-off, which would have a random sign.
@@ -352,7 +352,7 @@ def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Datase
 
 
 def find_axes_with_both_directions(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return the axes along which both directions of motion were computed, as angles (degrees) and direction indices.
+    """Return the axes of motion along which both directions were computed: angle (degrees) and direction indices.
 
     The indices have the shape (axes, 2).
     """
@@ -369,7 +369,7 @@ def find_axes_with_both_directions(directions: Floats) -> tuple[Floats, NDArray[
 
 @dataclass(frozen=True, eq=False)
 class MemberDependence:
-    """Statistical dependence between members: none, between neighbours on a line, or through shared scans."""
+    """Statistical dependence of members: none, correlation of neighbours on a line, or common scans."""
 
     order: NDArray[np.intp] | None = None
     lines: NDArray[np.intp] | None = None

@@ -110,7 +110,7 @@ def evaluate_members(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, load_definition: LoadDefinition = "elastic",
     member_kind: MemberKind | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate friction (at the onset of sliding) and contact quantities at given loads, for each member of a result.
+    """Evaluate contact quantities, and friction at the onset of sliding, at given loads for each member.
 
     For a measured study, the dataset at the study's elastic loads, mu0 and tau0 is evaluated only once for each result.
     """
@@ -165,7 +165,9 @@ def interpolate_member_sums(
     *,
     member_kind: MemberKind | None = None,
 ) -> xarray.Dataset:
-    """Interpolate forces and areas, summed over each member's contacts, at normal loads without friction (mN).
+    """Interpolate forces and areas, summed over each member's contacts, at given loads (mN).
+
+    The given loads are those that the contacts carry without friction.
 
     By default, these are the six sums that determine friction. The dimensions are cells, repetition, sliding, direction
     and load.
@@ -193,7 +195,7 @@ def interpolate_member_sums(
 
 
 def estimate_area_error(adhesive_sums: Floats) -> float:
-    """Return the relative standard error of the mean true area, from sums of contact areas (one sum per member).
+    """Return the relative standard error of the mean true area, given one sum of contact areas per member.
 
     The error is 0 for a single member.
     """
@@ -299,7 +301,7 @@ def _evaluate_piece(
 
 @dataclass(frozen=True, eq=False)
 class _MemberForces:
-    """Normal and tangential loads (mN) of members at the onset of sliding, and whether members reach requested loads.
+    """Normal and tangential loads (mN) of members at the onset of sliding, and masks of the loads that are reached.
 
     The masks mark loads that a member reaches, and loads below the first loading step. The arrays have the shape (...,
     sliding, direction, load, mu0, tau0), or a shape that broadcasts to it.
@@ -314,7 +316,7 @@ class _MemberForces:
     def at_elastic_loads(
         cls, contact_sums: Mapping[str, Floats], load_crossings: LoadCrossings, law: FrictionLaw
     ) -> _MemberForces:
-        """Compute the normal and tangential load of each member at given loads without friction from `contact_sums`."""
+        """Compute the normal and tangential load of each member with friction, at given loads without friction."""
         is_reached, is_below = (
             mask[..., None, None, :, None, None] for mask in (load_crossings.reached, load_crossings.below)
         )
@@ -324,7 +326,7 @@ class _MemberForces:
     def at_normal_loads(
         cls, sums_at_steps: Mapping[str, Floats], loads: Floats, law: FrictionLaw, *, interpolates_ratio: bool
     ) -> _MemberForces:
-        """Interpolate the tangential load of each member at given normal loads (mN), and return both loads."""
+        """Interpolate each member's tangential load at given normal loads (mN); return normal and tangential loads."""
         # The axis of loading steps is moved to the end, because loads are interpolated along the last axis.
         normal_load, tangential_load = (np.moveaxis(array, -3, -1) for array in _compute_loads(sums_at_steps, law))
         normal_load = np.broadcast_to(normal_load, tangential_load.shape)
@@ -340,7 +342,7 @@ class _MemberForces:
 
 
 def _compute_loads(sums: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-    """Compute the normal and tangential loads (mN) of members from the sums of forces and areas over their contacts.
+    """Compute the normal and tangential load (mN) of each member from forces and areas summed over its contacts.
 
     The last two axes of the loads are mu0 and tau0.
     """
@@ -375,7 +377,7 @@ def _grow_contacts(
 def _compute_opposing_fraction(
     piece: xarray.Dataset, member_dims: tuple[str, ...], contact_sums: Mapping[str, Floats]
 ) -> dict[str, Any]:
-    """Return the load fraction on contacts whose slopes oppose the motion, or {} if there is only one sliding rule."""
+    """Return the fraction of the load on contacts whose slopes oppose the motion, if both sliding rules are stored."""
     rules = piece["sliding"].values.tolist() if "sliding" in piece.dims else []
     if not {"opposing", "all"} <= set(rules):
         return {}
@@ -392,7 +394,10 @@ def _compute_opposing_fraction(
 def _interpolate_quantities(
     piece: xarray.Dataset, member_dims: tuple[str, ...], load_crossings: LoadCrossings, names: Collection[str] | None
 ) -> dict[str, Any]:
-    """Return the load without friction and the requested quantities, interpolated at requested loads, by name."""
+    """Interpolate the normal load without friction, and the named quantities, at the requested loads.
+
+    The result is a dict keyed by name.
+    """
     step_dimension, variables = find_step_dimension(piece), {}
     for name in (*INTERPOLATED_QUANTITIES, *DISTRIBUTION_QUANTITIES):
         if name not in piece.variables or not (name == "normal_elastic" or is_requested(name, names)):
@@ -448,7 +453,9 @@ _STIFFNESS_NAMES_BY_DISPLACEMENT = {
 def _interpolate_displacements_and_stiffnesses(
     piece: xarray.Dataset, member_dims: tuple[str, ...], load_crossings: LoadCrossings, variables: dict[str, Any]
 ) -> None:
-    """Interpolate displacements δ and stiffnesses between computed loads F, so that the loading stiffness stays dF/dδ.
+    """Interpolate displacements δ and stiffnesses between computed loads F, consistent with stiffness = dF/dδ.
+
+    Only the loading stiffness is dF/dδ.
 
     Between two computed loads, a displacement is the cubic in the logarithm of the load that has the stored
     displacements and stiffnesses. The loading stiffness is the inverse of the slope of this cubic. The unloading
@@ -489,7 +496,7 @@ def _interpolate_displacements_and_stiffnesses(
 
 
 def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law: FrictionLaw) -> dict[str, Any]:
-    """Return for each member the pull-off force, whether it is only a lower bound, and the friction at zero load."""
+    """Return three results for each member: pull-off force, whether it is a lower bound, friction at zero load."""
     is_bound = (_to_float_array(piece.variables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
     zero_load_sums = {
         name: _to_float_array(piece.variables[name], (*member_dims, *MOTION_DIMENSION_NAMES), missing=True)[
@@ -537,7 +544,10 @@ def _determine_member_status(piece: xarray.Dataset, loads: Floats, forces: _Memb
 def _find_load_crossings(
     piece: xarray.Dataset, loads: Floats, names: Sequence[str] = LOAD_SUM_NAMES
 ) -> tuple[dict[str, Floats], LoadCrossings]:
-    """Return sums of forces and areas over contacts, and the crossings of the load curves with the requested loads."""
+    """Return summed contact forces and areas, and the steps at which load curves reach the requested loads.
+
+    The sums are taken over the contacts of a member.
+    """
     step_dimension = find_step_dimension(piece)
     member_dims = (*find_cell_dimensions(piece), "repetition")
     # Variables of xarray are much faster to access than data arrays, because variables have no coordinates.
@@ -560,7 +570,7 @@ def _find_load_crossings(
 
 
 def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict[str, Any]:
-    """Return coordinates for the sliding rule and the direction of motion, unless the result has them as dimensions."""
+    """Return coordinates for the sliding rule and the direction of motion if the result lacks these dimensions."""
     coordinate_values = {
         "sliding": list(study.contact.sliding_rules()),
         "direction": list(study.contact.direction_angles()),
@@ -573,7 +583,7 @@ def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict
 
 
 def _replace_sums_by_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
-    """Replace sums over contacts by quotients of two such sums, such as the mean pressure, which is load over area."""
+    """Replace sums over contacts by ratios of two sums; the mean pressure, for example, is load over area."""
     dims, elastic = variables["normal_elastic"][:2]
     if nominal_area is not None and "pull_off" in variables:
         pull_off = variables["pull_off"]

@@ -1,4 +1,4 @@
-"""Quantities of a result at one point, that is, for one load, mu0, tau0, and roughness or cutoff."""
+"""Quantities of a result at one point: a combination of load, mu0, tau0, and roughness (or cutoff)."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ NEGLIGIBLE_LOAD_RATIO = 0.01
 
 @dataclass(frozen=True)
 class SlidingRuleCoefficient(Estimate):
-    """Static friction coefficient under one sliding rule, averaged over directions of motion, with its intervals.
+    """Friction coefficient under one sliding rule, as a mean over directions of motion, with its intervals.
 
     If there is no combined interval, the limits are the interval of the mean.
     """
@@ -74,7 +74,7 @@ def iterate_points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
 
 
 def read_number(point: xarray.Dataset, name: str) -> float:
-    """Return a number that has no interval, such as the load (mN), at a result point."""
+    """Read a quantity without an interval, such as the load (mN), from the dataset of a result point."""
     # Reading `point.variables[name]` is much faster than reading `point[name]`, an `xarray.DataArray`.
     return float(point.variables[name].values)
 
@@ -110,7 +110,7 @@ def find_statistic_indices(table: xarray.Dataset | xarray.DataArray) -> list[int
 
 
 def read_estimate(table: xarray.DataArray) -> Estimate:
-    """Create an `Estimate` from an array that contains a value and the limits of its interval.
+    """Convert an array with a value, a lower limit and an upper limit to an `Estimate`.
 
     All other dimensions must have size 1.
     """
@@ -139,7 +139,7 @@ def read_estimates_along(table: xarray.DataArray, dimension: str) -> dict[float,
 
 @dataclass(frozen=True)
 class PointQuantities:
-    """Quantities at one result point under one sliding rule, by name.
+    """Dict of the quantities at one result point under one sliding rule, keyed by the names of the quantities.
 
     If there are several directions, quantities that depend on the direction are not included.
     """
@@ -207,7 +207,7 @@ def mean_contact_pressure(point: xarray.Dataset) -> float:
 
 
 def list_rules_with_reported_first(study: Study) -> list[str]:
-    """Return the sliding rules of a study, with the reported rule first.
+    """Return the sliding rules of a study, starting with the rule that results report by default.
 
     With an interface, the reported rule is the rule under which mu0 and tau0 were fitted. For generated bodies, the
     reported rule is the first rule of the study.
@@ -218,7 +218,7 @@ def list_rules_with_reported_first(study: Study) -> list[str]:
 
 
 def sort_sliding_rules(table: Any, study: Study) -> Any:
-    """Reorder the sliding rules in a dataset of measured bodies, so that the reported rule comes first.
+    """Reorder the sliding rules in a dataset of measured bodies, starting with the rule that is reported.
 
     Other tables are returned unchanged.
     """
@@ -228,7 +228,7 @@ def sort_sliding_rules(table: Any, study: Study) -> Any:
 
 
 def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
-    """Return whether the bodies at a result point have a nominal area in their contact model."""
+    """Return whether the contact model of the bodies at a result point defines a nominal area."""
     return "nominal_area" in point.coords and study.has_nominal_area
 
 
@@ -299,7 +299,7 @@ def get_contact_hardness(point: xarray.Dataset, study: Study) -> float:
 
 
 def compute_plastic_friction(point: xarray.Dataset, study: Study) -> float | None:
-    """Return the friction coefficient that the pair would have if all contacts yielded and had friction.
+    """Return the friction coefficient of the pair if all contacts yielded and friction acted at all of them.
 
     Returns None if contacts cannot yield.
 
@@ -314,7 +314,7 @@ def compute_plastic_friction(point: xarray.Dataset, study: Study) -> float | Non
 
 
 def is_stronger_than_body(point: xarray.Dataset, study: Study) -> bool:
-    """Return whether, at a result point, the softer body shears before the yielding contacts slide."""
+    """Return whether, at a result point, the softer body would shear before its yielding contacts slide."""
     if study.contact.hardness is None:
         return False
     law = Inputs.from_study(study).friction_law(read_number(point, "mu0"), read_number(point, "tau0"))

@@ -1,4 +1,4 @@
-"""Response of a contact to uncertain inputs: E*, hardness, μ0, τ0, and the inputs that describe yielding.
+"""Dependence of a contact on uncertain inputs: E*, hardness, μ0, τ0, and the inputs of the yield model.
 
 One solution at the inputs of the study gives the quantities at all other inputs. Forces are linear in μ0 and τ0, and
 the true area is an `AreaFunction`.
@@ -30,7 +30,7 @@ yielded fraction of the area. For hardnesses from half to double and E* within 2
 
 @dataclass(frozen=True, kw_only=True)
 class InputValues:
-    """Values of the inputs that determine a contact, such as hardness, mu0 and tau0.
+    """Hardness, mu0, tau0 and the other inputs on which friction and contact area depend, as numbers or samples.
 
     Each is a number or an array of samples.
 
@@ -71,7 +71,7 @@ class InputValues:
 
     @property
     def law(self) -> FrictionLaw:
-        """Friction law with the mu0, tau0, junction growth and area loss among the inputs."""
+        """Friction law with these inputs: mu0, tau0, junction growth and area loss."""
         return FrictionLaw(self.mu0, self.tau0, self.junction_growth, self.uses_slip_lines, self.area_loss)
 
 
@@ -99,7 +99,7 @@ class ClosureCurve:
     stiffness_exponents: Floats
 
     def exponents_at(self, load: float) -> tuple[float, float]:
-        """Return exponents d ln(closure stiffness)/d ln(load) for loading and for unloading, at a load (mN)."""
+        """Return the exponents d ln(k)/d ln(F) of the closure stiffness k for loading and unloading, at a load (mN)."""
         log_load, log_loads = np.log(load), np.log(self.loads)
         loading, unloading = (
             float(np.interp(log_load, log_loads, exponents)) for exponents in self.stiffness_exponents
@@ -107,7 +107,7 @@ class ClosureCurve:
         return loading, unloading
 
     def scale_stiffness(self, ratios: Floats) -> Floats:
-        """Return the closures (µm) that result from multiplying the closure stiffness at each load by `ratios`.
+        """Return the closures (µm) after the closure stiffness at each load has been multiplied by `ratios`.
 
         The arrays have the shape (l, ...). The closure is the integral of 1/stiffness over the load.
         """
@@ -117,7 +117,7 @@ class ClosureCurve:
         return np.cumsum(np.concatenate([self.closures[:1] * compliances[:1], steps]), axis=0)
 
     def interpolate(self, closures: Floats, load: Floats) -> Floats:
-        """Interpolate closures at loads (mN), or extrapolate beyond the computed loads, by power laws."""
+        """Interpolate closures at loads (mN) with power laws, which also extrapolate beyond the computed loads."""
         log_loads, logs = np.log(self.loads), np.log(closures)
         index = np.clip(np.searchsorted(self.loads, load), 1, self.loads.size - 1)
         below, above = (
@@ -156,7 +156,7 @@ def build_closure_curves(result: MemberSums) -> list[ClosureCurve | None]:
 
 
 class AreasBeforeShear(NamedTuple):
-    """True contact areas (µm²) before shear: `elastic` without yielding, and `true` with yielding."""
+    """True contact areas (µm²) before shear: `elastic` for contacts that do not yield, `true` with yielding."""
 
     elastic: Floats
     true: Floats
@@ -187,7 +187,7 @@ class ResponseValues:
     plastic_friction: Floats
 
     def select_sample(self, *indices: int) -> ResponseValues:
-        """Return the friction coefficient and the areas for one sample of the inputs, selected by its array indices."""
+        """Return friction coefficient and areas for a single sample of the inputs, given the sample's array indices."""
         shape = np.shape(self.friction_coefficient)
         return ResponseValues(**{name: np.broadcast_to(array, shape)[indices] for name, array in vars(self).items()})
 
@@ -220,7 +220,7 @@ class ContactResponseToInputs:
     closure_curve: ClosureCurve | None = None
 
     def areas_before_shear(self, inputs: InputValues) -> AreasBeforeShear:
-        """Return the true areas (µm²) before shear for given inputs: one without yielding, and one with yielding."""
+        """Return two true areas (µm²) before shear for given inputs: without yielding and with yielding."""
         elastic_area = self.area.elastic_area(self.load, inputs.modulus * inputs.height_factor)
         return AreasBeforeShear(
             elastic_area, self.area(self.load, elastic_area=elastic_area, **_get_area_inputs(inputs))
@@ -267,7 +267,9 @@ class ContactResponseToInputs:
         )
 
     def stiffness_ratios(self, inputs: InputValues, area_before_shear: Floats) -> tuple[Floats, ...]:
-        """Return loading, unloading and two closure stiffnesses, each as a ratio to its value at the central inputs.
+        """Return ratios of four stiffnesses to their central values: normal and closure, in loading and unloading.
+
+        The two normal stiffnesses come first.
 
         If E*, heights and hardness change by a common factor, the stiffness follows by similarity from the stiffness at
         the load divided by this factor. Any other change of the hardness acts through the true area. The stiffness
@@ -291,7 +293,7 @@ class ContactResponseToInputs:
         )
 
     def friction_at_no_load_ratio(self, inputs: InputValues) -> Floats:
-        """Return the factor by which given inputs, compared with the central inputs, change the friction at zero load.
+        """Return the ratio of the friction at zero load for given inputs to that for the central inputs.
 
         The attraction is computed with the central inputs. The area changes as at the smallest computed load.
         """
@@ -321,7 +323,7 @@ class ContactResponseToInputs:
         return self.closure_curve.scale_stiffness(np.stack(ratios))
 
     def closure_ratio(self, inputs: InputValues, closures: Floats) -> Floats:
-        """Return the factor by which given inputs, compared with the central inputs, change the closure.
+        """Return the ratio of the closure for given inputs to the closure for the central inputs.
 
         By similarity, the closure is the height factor times the closure at the load divided by the change of E* and
         heights. `closures` comes from `closures_at_computed_loads`.
@@ -336,5 +338,5 @@ class ContactResponseToInputs:
         return np.asarray(inputs.height_factor * closure / central_closure)
 
     def at_central_inputs(self, **changes: Any) -> ResponseValues:
-        """Return all quantities of the contact. All inputs except those in `changes` have their central values."""
+        """Return all quantities of the contact for central values of all inputs that are not in `changes`."""
         return self.evaluate(replace(self.central, **changes))

@@ -113,7 +113,7 @@ def draw_shear_samples(
 
 @dataclass(frozen=True)
 class ContactVariation:
-    """Change of one contact input, such as the hardness, in a shear test: name, and ratio of new to central value."""
+    """Change of one contact input, such as the hardness, in a shear test: name, and factor on its central value."""
 
     name: str
     ratio: float
@@ -125,7 +125,7 @@ class ContactVariation:
 
 
 def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariation]:
-    """Return the input changes for repeated shear tests: each contact input at its lower and at its upper limit."""
+    """Return the changes of inputs with which a shear test is repeated: each contact input at each of its limits."""
     if not samples:
         return []
     return [
@@ -137,7 +137,7 @@ def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariati
 
 
 class _SampledCurves:
-    """Curves of a shear test for each input sample, interpolated between shear tests computed with different inputs.
+    """Curves of a shear test for each sample of the inputs, interpolated between computed tests.
 
     The curves are linear in the logarithm of the input. The effects of two inputs are added. `has_no_solution` is True
     for samples near a limit at which the contact has no solution, with the shape (samples, displacements). A sample is
@@ -157,7 +157,7 @@ class _SampledCurves:
             self.has_no_solution = self.has_no_solution | ((weight > MIN_WEIGHT_NEAR_LIMIT) & is_lost)
 
     def sample(self, get_curve: Callable[[xr.Dataset], Floats]) -> Floats:
-        """Return one curve of the shear test per input sample; `get_curve` reads the curve from the dataset of a test.
+        """Return a curve for each input sample; `get_curve` selects the curve from the dataset of a shear test.
 
         Values are NaN for samples near a limit at which the curve is NaN.
         """
@@ -173,7 +173,7 @@ class _SampledCurves:
 def _sample_test(
     test: xr.Dataset, samples: ShearInputSamples, variations: Sequence[tuple[ContactVariation, xr.Dataset]]
 ) -> _Samples:
-    """Return the curves and peak values of a shear test for each sample of the inputs.
+    """Return the curves and peak values of a shear test, one curve and one peak value per sample of the inputs.
 
     Coefficients are infinite where the faces lock, or where the contact has no solution.
     """
@@ -224,7 +224,7 @@ def _summarize_samples(test: xr.Dataset, coefficient: Floats, stress: Floats, di
 
 @dataclass(frozen=True)
 class _StripMeanErrors:
-    """Standard error of each quantity's mean over strips of the faces, and the number of strips with a solution."""
+    """Standard error of the mean over strips of the faces for each quantity, and the number of solved strips."""
 
     errors: _Samples
     counts: _Samples
@@ -244,7 +244,7 @@ class _StripMeanErrors:
 
 
 def _estimate_strip_errors(test: xr.Dataset, strips: Sequence[xr.Dataset]) -> _StripMeanErrors:
-    """Return the standard error of each quantity's mean over strips of the faces, from strips that have a solution.
+    """Return each quantity's standard error of the mean over strips of the faces; unsolved strips are ignored.
 
     The peak of a strip is found among the displacements at which the strip has a solution.
     """
@@ -313,7 +313,7 @@ def add_shear_intervals(
 
 
 def _open_lower_limits(test: xr.Dataset, limits: Mapping[str, Floats], varied_tests: Sequence[xr.Dataset]) -> None:
-    """Set lower limits of friction in `limits` to 0 where a shear test with an input at its limit has no solution.
+    """Set lower limits of friction to 0 where a shear test with one input at its limit has no solution.
 
     If the faces lock at the limit of the input, lower limits are unchanged, because locking only raises the friction.
     """
@@ -329,7 +329,7 @@ def _open_lower_limits(test: xr.Dataset, limits: Mapping[str, Floats], varied_te
 
 
 def _compute_interval_limits(values: Floats, coverage: float) -> Floats:
-    """Return the central interval that contains the fraction `coverage` of the samples along the first axis.
+    """Return the equal-tailed interval that contains the fraction `coverage` of samples along the first axis.
 
     Returns NaN if a sample is NaN.
     """
@@ -342,7 +342,7 @@ def _compute_interval_limits(values: Floats, coverage: float) -> Floats:
 
 
 def _extend_to_value(name: str, value: Floats, limits: Sequence[Floats]) -> Floats:
-    """Widen interval limits to include the computed value. Raise negative limits to 0 except for the dilation."""
+    """Widen interval limits to include the computed value; raise negative limits to 0, except for dilation."""
     first_limits, *other_limits = limits
     extended_limits = extend_intervals(first_limits, *other_limits, np.stack([value, value], axis=-1))
     return extended_limits if "dilation" in name else np.maximum(extended_limits, 0.0)

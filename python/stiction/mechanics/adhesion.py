@@ -1,4 +1,4 @@
-"""Equilibria of adhesive elastic half-spaces, whose attraction decays exponentially with the gap.
+"""Equilibria of two adhesive elastic half-spaces; their attraction decays exponentially with the gap.
 
 The attraction is σ(g) = w/ρ exp(-g/ρ). Each iteration reduces the undeformed gap g0 by the displacement Kσ due to the
 attraction, solves the contact, and evaluates σ at the new gap, until σ no longer changes.
@@ -248,7 +248,7 @@ class AdhesionSolver:
         return _to_adhesion_state(result), bool(result["is_balanced"])
 
     def _start_iteration(self, near: AdhesionState | None) -> _IterationState:
-        """Return the initial state: the stored state of an interrupted iteration, else `near`, else zero attraction."""
+        """Return the first state: that of an interrupted iteration, `near`, or zero attraction if both are missing."""
         if (state := self.record.read_state()) is not None:
             return _IterationState.from_step_result(state)
         if near is None:
@@ -258,7 +258,7 @@ class AdhesionSolver:
     def _iterate_to_equilibrium(
         self, state: _IterationState, contact_load: Callable[[float], float], max_factor: float
     ) -> Iterator[tuple[AdhesionState, float]]:
-        """Iterate the attraction; yield contact states and relative attraction changes until the bodies separate.
+        """Iterate the attraction. Until the bodies separate, yield contact states and relative changes of attraction.
 
         The contact load (GPa) is a function of the mean attraction. After `NUM_UNACCELERATED_STEPS` plain steps, a step
         is extrapolated as a geometric series with the ratio of the last two changes, limited to `max_factor` times the
@@ -434,7 +434,7 @@ class AdhesionSolver:
         return states
 
     def _is_minimum_certain(self, states: list[AdhesionState], start: AdhesionState) -> bool:
-        """Return whether the bodies certainly separate at a load slightly below the lowest load of all `states`.
+        """Return whether it is certain that no equilibrium exists slightly below the lowest load in `states`.
 
         If bounds on the load do not decide, iterations from the equilibrium `start` do. Extrapolated steps may pass an
         equilibrium, plain steps cannot.
@@ -483,7 +483,7 @@ class AdhesionSolver:
         return EnergyMinimizer(self)
 
     def _find_pull_off_load_on_coarser_grid(self, start: AdhesionState) -> float:
-        """Return the lowest external pressure (GPa) that the bodies support, computed with twice the grid spacing.
+        """Return the pull-off load as external pressure (GPa), computed on a grid with twice the spacing.
 
         The energy minimization on this grid starts from the contact `start`. Returns 0 if the grid is small or no such
         load is found.
@@ -507,7 +507,7 @@ class AdhesionSolver:
             return 0.0
 
     def extend_unloading_states(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Append equilibria at smaller and smaller contact loads to a series of states, and return the longer series.
+        """Append equilibria at decreasing contact loads to a series of states, and return the extended series.
 
         The series ends when the external load rises, or when no further equilibrium is found.
         """
@@ -551,7 +551,7 @@ class AdhesionSolver:
         )
 
     def refine_minimum_load(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Return `states` with additional equilibria near the lowest external load that interpolation predicts."""
+        """Return `states` with more equilibria near the interpolated minimum of the external load."""
         states = list(states)
         for _ in range(MAX_REFINEMENT_SOLVES):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)
@@ -625,7 +625,7 @@ class EnergyMinimizer:
         raise EquilibriumNotFoundError(f"at a load of {force:.4g} mN, the energy minimization did not converge")
 
     def _restore_or_start(self, near: AdhesionState, load: float) -> _core.MinimizationState:
-        """Return the stored state of an interrupted minimization, or else the initial state of a new minimization."""
+        """Return the stored state of an interrupted minimization. If there is none, return a new initial state."""
         if (fields := self.record.read_state()) is not None:
             return _core.MinimizationState({name: _to_array_or_number(value) for name, value in fields.items()})
         shape = self.problem.gap.shape
@@ -639,7 +639,7 @@ class EnergyMinimizer:
 
 
 def _extrapolation_factor(residual: float, previous_residual: float, max_factor: float) -> float:
-    """Return the factor by which extrapolation lengthens an iteration step of the attraction, at most `max_factor`.
+    """Return the factor, at most `max_factor`, by which to extrapolate an iteration step of the attraction.
 
     It is the sum 1/(1 - r) of the geometric series whose ratio r is the ratio of the two last residuals.
     """
@@ -655,7 +655,7 @@ def find_state_of_lowest_load(states: list[AdhesionState]) -> AdhesionState:
 def _interpolate_minimum_load(
     states: list[AdhesionState], upper: AdhesionState, lower: AdhesionState
 ) -> tuple[float, float]:
-    """Return the lowest external load (GPa) that interpolation predicts, and the contact load (GPa) at this minimum.
+    """Interpolate the minimum of the external load; return this load and the contact load there (both GPa).
 
     The mean attraction is interpolated by a polynomial in the logarithm of the contact load.
     """
@@ -694,7 +694,7 @@ def solve_with_adhesion(
 def solve_separation(
     contact_solution: ContactSolution, *, tolerance: float, record: SolutionRecord
 ) -> tuple[list[ContactSolution], str]:
-    """Return the contact solutions while the bodies separate, and the reason if the pull-off load is uncertain.
+    """Return the contact solutions during separation, and the reason why the pull-off load may be uncertain.
 
     The reason is "" if the pull-off load is certain.
     """

@@ -1,4 +1,4 @@
-"""Bounds on contact area and friction for a finer scan, and rms gradients extrapolated to shorter wavelengths."""
+"""Bounds on contact area and friction in finer scans; rms gradients extrapolated to shorter wavelengths."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ EXTRAPOLATED_WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
 def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
-    """Return the factor that limits, in 95 % of cases, the change of κ = A E* h'/F (h': rms gradient) in a finer scan.
+    """Return the factor that bounds, with 95 % probability, the change of κ = A E* h'/F in a finer scan.
 
     The coefficient κ = A E* h'/F relates the real contact area A to the load F and to the rms gradient h'.
 
@@ -36,7 +36,7 @@ def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
 
 
 def gap_rms_gradient(gap: Profile | Surface, *, periodic: bool) -> float:
-    """Return the rms gradient of a gap, computed from slopes at the grid points as in the half-space model."""
+    """Compute the rms gradient of a gap from slopes at grid points, as the half-space model does."""
     gap_slopes = grid_slopes(gap.heights, gap.spacings, periodic=periodic)
     return math.sqrt(sum(float(np.mean(np.square(slope))) for slope in gap_slopes))
 
@@ -55,7 +55,7 @@ def estimate_gap_hurst_exponent(gap: Profile | Surface, periodic: bool) -> Hurst
 def plastic_wavelength(
     roughness: ScaleDependentRoughness, estimate: HurstEstimate | None, gradient: float, spread: float
 ) -> tuple[float, float, float]:
-    """Return the cutoff (µm) at which a gap has the rms gradient `gradient`, and lower and upper limits of the cutoff.
+    """Return the cutoff (µm) at which a gap has the rms gradient `gradient`, with lower and upper limit.
 
     The limits follow from the Hurst exponent's interval and from a relative uncertainty of the gradient by the factor
     `spread`. NaN is returned if there is no such wavelength.
@@ -111,7 +111,9 @@ def developed_interface_area_ratio(gradient: Floats) -> Floats:
 
 
 def transverse_slope_factor(gradient: Floats, dimensions: int) -> Floats:
-    """Return the factor by which slopes transverse to the motion increase mu_s, if friction acts at all contacts.
+    """Return the factor by which slopes across the direction of motion raise mu_s, if friction acts at all contacts.
+
+    All contacts include those whose slopes do not oppose the motion.
 
     The factor is 1 + h'²/16 for height maps whose gap has the rms gradient h', and 1 for profiles.
     """
@@ -119,7 +121,7 @@ def transverse_slope_factor(gradient: Floats, dimensions: int) -> Floats:
 
 
 def max_area_for_finer_scans(area: ArrayLike, plastic_area: ArrayLike, contact_count: ArrayLike) -> Floats:
-    """Return the largest true contact area that a finer scan can give if contacts yield.
+    """Return an upper bound of the true contact area in any finer scan, if the contacts yield.
 
     `area` is the area of this scan, and `plastic_area` is F/H in the same unit. Shorter wavelengths redistribute the
     load between contacts, so the elastic rims of yielding contacts may grow. The limit does not apply to a scan without
@@ -134,7 +136,7 @@ def max_area_for_finer_scans(area: ArrayLike, plastic_area: ArrayLike, contact_c
 def friction_range_for_finer_scans(
     value: float, mu0: float, adhesion: float, contact_count: float, upper: float | None = None
 ) -> tuple[float, float]:
-    """Return the lowest and highest mu_s that finer scans can give, if contacts yield and friction acts at all of them.
+    """Return the lowest and highest mu_s in finer scans, if contacts yield and friction acts at all contacts.
 
     `value` is mu_s of this scan, and `adhesion` is tau0/H. The upper limit is computed from `value`, or from `upper` if
     given.
@@ -148,7 +150,7 @@ def friction_range_for_finer_scans(
 def max_friction_for_finer_scans(
     value: Floats | float, mu0: Floats | float, adhesion: Floats | float, contact_count: float
 ) -> Floats:
-    """Return the highest mu_s that a finer scan can give if contacts yield.
+    """Return an upper bound of mu_s in any finer scan, if the contacts yield.
 
     `value` is mu_s of this scan.
     """

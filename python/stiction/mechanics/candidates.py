@@ -76,7 +76,7 @@ class Candidates:
         return len(self.core)
 
     def __repr__(self) -> str:
-        """Return a line with the number of candidates, the maximum approach and the search criterion for curvature."""
+        """Return a line with the number of candidates, the maximum approach and the curvature criterion."""
         return f"Candidates: {len(self)} up to an approach of {self.deepest:.4g} µm, {self.curvature} curvature"
 
     @property

@@ -975,7 +975,7 @@ def compute_small_slope_friction(
     slope_ratio: ArrayLike,
     order: Literal[1, 2],
 ) -> Floats:
-    """Return the result of `gentle_friction`, without a warning if tau0 is so large that its unit may be wrong."""
+    """Compute friction as `gentle_friction` does, but without the warning about an improbably large tau0."""
     mu, tau = validate_friction_parameter("mu0", mu0), validate_friction_parameter("tau0", tau0)
     gradient, modulus, factor = validate_positive_arguments(
         rms_gradient=rms_gradient, effective_modulus=effective_modulus, kappa=kappa
@@ -1185,7 +1185,10 @@ def westergaard_gap(
 def _compute_sinusoid_terms(
     x: ArrayLike, mean_pressure: ArrayLike, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """Return sin(πx/λ), cos(πx/λ), mean and full-contact pressure, and height amplitude of a sinusoidal surface."""
+    """Return five terms of a sinusoidal surface: sin(πx/λ), cos(πx/λ), two pressures, and the height amplitude.
+
+    The pressures are the given mean pressure and the mean pressure for full contact.
+    """
     p, d, wavelengths, e = validate_positive_arguments(
         mean_pressure=mean_pressure, amplitude=amplitude, wavelength=wavelength, effective_modulus=effective_modulus
     )

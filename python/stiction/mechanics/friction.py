@@ -118,7 +118,7 @@ class FrictionLaw:
     area_loss: Any = 0.0
 
     def contributions(self, force: Any, area: Any) -> tuple[Any, Any]:
-        """Return the friction forces (mN) due to mu0 and due to tau0, from normal forces (mN) and true areas (µm²)."""
+        """Return two friction forces (mN), one from mu0 and one from tau0, for normal forces (mN) and areas (µm²)."""
         return self.mu0 * force, self.tau0 * area
 
     def force(self, force: Any, area: Any) -> Any:
@@ -127,7 +127,7 @@ class FrictionLaw:
         return frictional + adhesive
 
     def load(self, name: str, sums: Any, area: Any = 1.0, fraction: Any = 1.0) -> Floats:
-        """Compute the load called `name` (mN), such as "normal", from forces and areas summed over all contacts.
+        """Compute a load (mN), "normal" or "tangential" for example, from forces and areas summed over all contacts.
 
         The sums are given as a mapping or as attributes. The true area is `area` times the area in the sums, and the
         contacts carry a fraction of mu0 F + tau0 A (see `OnsetState`).
@@ -139,7 +139,7 @@ class FrictionLaw:
         return np.asarray(elastic + frictional * fraction + adhesive * (area * fraction))
 
     def coefficient(self, sums: Any, area: Any = 1.0, fraction: Any = 1.0) -> Floats:
-        """Return the friction coefficient: tangential over normal load, from forces and areas summed over contacts.
+        """Return the ratio of tangential to normal load, computed from forces and areas summed over contacts.
 
         Arguments are as for `load`.
         """
@@ -159,7 +159,7 @@ class FrictionLaw:
         return solve(hardness, self.mu0, self.tau0, self.junction_growth)
 
     def plastic_coefficient(self, hardness: Any) -> Any:
-        """Return the friction coefficient if all contacts yield.
+        """Return the friction coefficient of a pair if all its contacts yield.
 
         Returns NaN if the contacts seize.
 
@@ -170,7 +170,7 @@ class FrictionLaw:
         return np.minimum(coefficient, 2 / self.junction_growth) if self.uses_slip_lines else coefficient
 
     def growth_effect(self, hardness: float) -> float:
-        """Return the fraction by which junction growth, in slip-line theory, changes the plastic friction coefficient.
+        """Return the relative change of friction due to junction growth in slip-line theory, if all contacts yield.
 
         The change is negative if the softer body shears.
         """
@@ -236,7 +236,7 @@ class FrictionLaw:
         )
 
     def _compute_remaining_friction_fraction(self, load: Any, area: Any, pressure: Any, hardness: Any) -> Floats:
-        """Return the friction force, limited by the softer body's shear strength, relative to the unlimited force.
+        """Return the fraction of the friction force that remains when the softer body's shear strength limits friction.
 
         The traction at each point is the smaller of mu0 p + tau0 and the shear strength k. The pressures p follow a
         Weibull distribution over the true area, which is limited at `pressure` and has the mean load/area. The
@@ -257,7 +257,7 @@ class FrictionLaw:
 
 @dataclass(frozen=True)
 class OnsetState:
-    """True area of a pair at the onset of sliding, and the friction coefficient that applies if all contacts yield.
+    """True area of a pair at the onset of sliding, and its friction coefficient if all contacts yield.
 
     Attributes
     ----------
@@ -278,7 +278,7 @@ class OnsetState:
 
 
 def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, shear_ratio: Any) -> Floats:
-    """Compute by slip-line theory the pressure p at which a contact yields under the shear traction mu0 p + tau0.
+    """Compute the pressure p at which a contact with shear traction mu0 p + tau0 yields (slip-line theory).
 
     With f = τ/k, slip lines give p/H = (1 + π/2 + arccos f + sqrt(1 - f²))/(2 + π). Half the hardness is returned if
     p = H/2 has f > 1: the interface is stronger than the softer body. The unknown of the Newton steps is
@@ -316,7 +316,7 @@ def _compute_limited_pressure_ratio(limit: Any, mean: Any) -> Floats:
 
 @lru_cache(maxsize=1)
 def _tabulate_limited_pressure_ratios() -> Floats:
-    """Tabulate mean(min(p, limit)) / mean(p) for Weibull-distributed p, over mean(p) and limit/(limit + mean(p)).
+    """Tabulate mean(min(p, limit)) / mean(p) for Weibull-distributed p, by mean(p) and limit/(limit + mean(p)).
 
     A pressure exceeds p < 1 with the probability exp(-rate p^shape). The shape, 1.5 - 0.65 mean(p), was fitted to rough
     pairs from elastic to plastic contact. The rates are found by bisection.
@@ -356,7 +356,7 @@ def _solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Fl
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ContactSums:
-    """Sums of areas and forces over all contacts of a pair; the loads for any mu0 and tau0 follow from these sums."""
+    """Areas and forces summed over all contacts of a pair, from which its loads follow for any mu0 and tau0."""
 
     contact_count: NDArray[Any]
     contact_area: Floats = field(metadata={"unit": "µm²"})
@@ -373,21 +373,21 @@ class ContactSums:
 
     @classmethod
     def from_columns(cls, columns: Mapping[str, Any]) -> ContactSums:
-        """Create sums of forces and areas over contacts from a mapping of names to arrays, such as a dataset."""
+        """Create contact sums (forces and areas) from a mapping of names to arrays, such as a dataset."""
         check_instance("columns", columns, Mapping, "a mapping of names to arrays")
         if missing_names := [name for name in SUM_QUANTITIES if name not in columns]:
             raise ValueError(f"columns must contain {missing_names[0]}, got {short_repr(list(columns))}")
         return ContactSums(**{name: columns[name] for name in SUM_QUANTITIES})
 
     def apply(self, function: Callable[[NDArray[Any]], Any]) -> ContactSums:
-        """Apply a function, such as indexing or averaging, to each sum of forces or areas, and return the new sums."""
+        """Apply a function, such as indexing, to all sums of forces and areas, and return the results as new sums."""
         check_callable("function", function)
         return ContactSums(**{name: function(getattr(self, name)) for name in SUM_QUANTITIES})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Validity(TextReprMixin):
-    """Indicators, such as the mean overlap/radius, of whether the asperity model is valid at each approach (µm).
+    """Validity indicators of the asperity model at each approach (µm), such as the mean of overlap / radius.
 
     Load fractions are NaN without contact.
 
@@ -424,7 +424,9 @@ class Validity(TextReprMixin):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SurfaceValidity(Validity):
-    """Indicators of whether the asperity model is valid for two height maps, such as the load fraction at map edges.
+    """Validity indicators of the asperity model for two height maps, such as the load fraction at map edges.
+
+    Contacts at an edge extend beyond the map.
 
     R is the geometric mean of the two radii. No contact is rejected, so `share_crossed` is 0.
 
@@ -461,7 +463,7 @@ VALIDITY_RATIOS: dict[str, tuple[str, tuple[str, ...]]] = {
 
 
 def validity_ratio(name: str, sums: Any) -> Floats:
-    """Compute the validity indicator `name` of the asperity model from forces and areas summed over all contacts.
+    """Compute one validity indicator of the asperity model from forces and areas summed over all contacts.
 
     Returns NaN if numerator and denominator are zero.
 
@@ -473,7 +475,7 @@ def validity_ratio(name: str, sums: Any) -> Floats:
 
 
 def compute_ratios(sums: Mapping[str, Floats], load: Floats, nominal_area: float | None = None) -> dict[str, Floats]:
-    """Compute ratios such as mean pressure and area fraction at a load (mN) from forces and areas summed over contacts.
+    """Compute ratios such as the mean pressure at a load (mN), from forces and areas summed over contacts.
 
     The sums belong to a member, or are means over an ensemble. Area fraction, nominal pressure and stiffnesses per area
     require the nominal area (µm²). The keys of the returned mapping are names of quantities.
@@ -499,7 +501,10 @@ def _get_sum(sums: Any, name: str) -> Any:
 
 
 def sums_per_load(sums: Mapping[str, Any]) -> dict[str, float]:
-    """Return the sums that determine normal and tangential load, each divided by the normal load without friction."""
+    """Divide the forces and areas summed over all contacts by the normal load without friction.
+
+    These sums determine the normal and the tangential load.
+    """
     return {name: float(sums[name] / sums["normal_elastic"]) for name in LOAD_SUM_NAMES}
 
 
@@ -522,7 +527,7 @@ class FrictionCurve(PlotReprMixin):
         return self._broadcast_friction_law(mu0, tau0).load("normal", self)
 
     def tangential_load(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return the tangential load F_T (mN) at the onset of sliding.
+        """Return the tangential load F_T (mN) at the onset of sliding, for each loading step.
 
         Shape and arguments are as for `normal_load`.
         """
@@ -574,7 +579,7 @@ class FrictionCurve(PlotReprMixin):
 def choose_statuses(
     *, touched: ArrayLike, reached: ArrayLike, locked: ArrayLike, below: ArrayLike = False
 ) -> NDArray[Any]:
-    """Choose a status, such as "ok" or "no-contact", for each load curve at each load.
+    """Choose the status, such as "ok" or "no-contact", of each load curve at each requested load.
 
     `touched`: there is a contact. `reached`: the curve reaches the load. `locked`: the contacts are self-locked at the
     last loading step. `below`: the first loading step already supports more than the load.
@@ -592,7 +597,7 @@ def choose_statuses(
 
 
 def statuses_of_approaches(contact_count: ArrayLike, normal: Floats) -> NDArray[Any]:
-    """Return the status "ok", "self-locked" or "no-contact" for each pair of contact count and normal load (mN)."""
+    """Return the status "ok", "self-locked" or "no-contact" for given contact counts and normal loads (mN)."""
     return choose_statuses(touched=np.asarray(contact_count) != 0, reached=normal > 0, locked=True)
 
 
@@ -601,7 +606,7 @@ MAX_FRICTION_PARAMETER = 1e12
 
 
 def validate_friction_parameter(name: str, values: ArrayLike) -> Floats:
-    """Check that each given mu0 or tau0 is from 0 to `MAX_FRICTION_PARAMETER`, and return the numbers as an array."""
+    """Check that all given mu0 or tau0 are between 0 and `MAX_FRICTION_PARAMETER`; return them as an array."""
     array = float_array(name, values)
     if not (array <= MAX_FRICTION_PARAMETER).all():
         raise ValueError(f"{name} must be at most {MAX_FRICTION_PARAMETER:g}, got {short_repr(values)}")

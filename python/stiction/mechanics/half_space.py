@@ -79,7 +79,7 @@ DEFAULT_ADHESION_RANGE = 5e-4
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HalfSpaceContact(PlotReprMixin):
-    """Half-space contact of two surfaces at one load: read-only arrays on the grid, such as pressure and gap.
+    """Half-space contact of two surfaces at one load, with the pressure, gap and patch number of each grid point.
 
     Attributes
     ----------
@@ -129,7 +129,7 @@ class HalfSpaceContact(PlotReprMixin):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HalfSpaceCurve(FrictionCurve):
-    """Half-space contacts of two surfaces at several loads, from which friction follows for any mu0 and tau0.
+    """Half-space contacts of two surfaces at several loads, to evaluate friction for any mu0 and tau0.
 
     Arrays are read-only.
 
@@ -220,7 +220,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def pull_off_is_bound(self) -> bool:
-        """True if `pull_off` is only a lower bound on the pull-off force."""
+        """True if the pull-off force may exceed `pull_off`, which is then only a lower bound."""
         return self.pull_off_bound[1]
 
     @property
@@ -235,7 +235,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def parting(self) -> HalfSpaceCurve:
-        """Load curve while the surfaces are pulled apart, from the smallest load to the pull-off force.
+        """Load curve of the surfaces as they are pulled apart, from the smallest load to the pull-off force.
 
         Raises a `ValueError` if the surfaces do not adhere.
         """
@@ -264,7 +264,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def stiffness(self) -> Floats:
-        """Normal stiffness dF/dδ (mN/µm) at each load, for an unchanged set of contact points.
+        """Normal stiffness dF/dδ (mN/µm) at each load, if the set of contact points does not change.
 
         The stiffness is infinite in full periodic contact. It is NaN on a free half-plane, and if the pressure equals
         the hardness everywhere in contact. The stiffness is computed on first use.
@@ -427,7 +427,7 @@ class HalfSpaceCurve(FrictionCurve):
     def compute_directed_sums(
         self, directions: Sequence[Direction], sliding_rules: Sequence[SlidingRule]
     ) -> dict[str, Floats]:
-        """Compute those sums of forces and areas that depend on the direction of motion or on the sliding rule.
+        """Compute the sums of forces and areas that change with the direction of motion or with the sliding rule.
 
         Each sum has the shape (sliding rules, directions, loads).
         """
@@ -633,7 +633,7 @@ def _solve_contacts(
 def _report_progress(
     progress: Callable[[int, int, float], object], num_solved: int, index: int, iteration: int, error: float
 ) -> None:
-    """Report the progress of a solver iteration; `index` is the number of the loading step within its group of steps.
+    """Report the progress of the solver at one iteration; `index` numbers the loading step within its group.
 
     `num_solved` steps precede the group.
     """
@@ -679,7 +679,7 @@ def _make_curve(
 def _compute_contact_sums(
     model: ContactModel, contacts: Sequence[ContactSolution], sums: PatchSums
 ) -> dict[str, Floats]:
-    """Return forces and areas, summed over all contacts, by name; the last axis is the index of the contact solution.
+    """Return forces and areas summed over all contacts, keyed by name; the last axis counts contact solutions.
 
     Arrays have the shape (k,) or, if they depend on the direction and the model has a list of d directions, (d, k).
     """

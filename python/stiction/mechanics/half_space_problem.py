@@ -1,4 +1,4 @@
-"""Half-space contact of two surfaces: problem with checked inputs, solver, and solution at one load."""
+"""Half-space contact of two surfaces: problem definition with input checks, solver, and solution at one load."""
 
 from __future__ import annotations
 
@@ -76,14 +76,16 @@ copyreg.pickle(_core.HalfSpaceGrids, lambda grids: (_unpickle_grids, _keys_by_gr
 
 
 def solver_thread_count() -> int:
-    """Return the number of threads of a contact solver: the number that `scipy.fft.set_workers` has set."""
+    """Return the number of threads of a contact solver, as set by `scipy.fft.set_workers`."""
     # While another thread is importing `scipy.fft`, the module may lack `get_workers`.
     get_workers = getattr(sys.modules.get("scipy.fft"), "get_workers", None)
     return 1 if get_workers is None else int(get_workers())
 
 
 def has_finite_approach(num_dimensions: int, *, periodic: bool) -> bool:
-    """Return whether distant points approach by a finite distance (on a free half-plane, the distance is unbounded).
+    """Return whether the distance by which distant points of the bodies approach each other is finite.
+
+    The distance is unbounded on a free half-plane.
 
     The bodies are profiles (1 dimension) or height maps (2 dimensions).
     """
@@ -157,7 +159,7 @@ class HalfSpaceProblem:
 
 @dataclass(frozen=True, eq=False)
 class ContactSolution:
-    """Contact solution at one load (mN): pressure (GPa), contact fraction and patch number of each contact point."""
+    """Contact solution at one load (mN): pressure (GPa), patch number and fraction in contact of each point."""
 
     problem: HalfSpaceProblem
     load: float
@@ -188,7 +190,7 @@ class ContactSolution:
 
     @cached_property
     def below_hardness(self) -> NDArray[np.bool_]:
-        """Mask of the contact points whose pressure is below the hardness."""
+        """Boolean array that is True for contact points with a pressure below the hardness."""
         return self.values < (np.inf if self.problem.hardness is None else self.problem.hardness)
 
     @cached_property
@@ -214,7 +216,7 @@ class ContactSolution:
 
     @cached_property
     def closure_stiffness(self) -> float:
-        """Closure stiffness dp/dc (GPa/µm), for nominal pressure p and closure c, if the contact points do not change.
+        """Closure stiffness dp/dc (GPa/µm) of nominal pressure p and closure c, if the contact points do not change.
 
         The closure is the decrease of the mean gap: the approach minus the mean displacement of the surface. The
         stiffness is infinite at full contact, and NaN if all points have yielded.
@@ -258,13 +260,18 @@ class ContactSolution:
 
     @cached_property
     def response_at_fixed_tilt(self) -> tuple[Floats, float]:
-        """Pressures (sum 1 GPa) that displace all contact points by an equal distance, and this distance (µm)."""
+        """Contact pressures that displace all contact points equally, and the displacement (µm).
+
+        The pressures have the sum 1 GPa.
+        """
         if self.problem.has_free_tilt:
             return self.problem.grids.linear_response(self.on_grid(self._all_points), threads=solver_thread_count())
         return self._linear_response if self.is_elastic else self._unloading_response
 
     def _compute_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return the pressures (sum 1 GPa) at the points of a mask under a rigid displacement, and the approach (µm).
+        """Return the pressures that displace the points of a mask rigidly, and the approach (µm).
+
+        The pressures have the sum 1 GPa.
 
         The upper surface moves along z and, if the problem has free tilt, also tilts.
         """
@@ -303,7 +310,7 @@ _RESPONSE_NAMES = {"loading_compliances": "_linear_response", "unloading_complia
 
 
 def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) -> list[ContactSolution]:
-    """Compute missing contact compliances (displacements per pressure) of solutions, and store them in the solutions.
+    """Compute and store the compliances (displacement per pressure) of contact solutions that lack them.
 
     Returns the solutions that lacked compliances.
 
@@ -337,7 +344,7 @@ def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) 
 
 
 def sum_friction_over_patches(solutions: Sequence[ContactSolution], directions: Floats) -> PatchSums:
-    """Return forces and areas of each contact patch in several contact solutions, for each direction of motion."""
+    """Sum forces and areas over each contact patch, for several solutions and directions of motion."""
     problem = solutions[0].problem
     # With free tilt, each load has its own contact problem, because the tilt changes the gap.
     if any(solution.problem is not problem for solution in solutions):
@@ -452,7 +459,7 @@ def coarsen_problem(problem: HalfSpaceProblem) -> HalfSpaceProblem:
 
 
 def take_every_second_point(values: Floats) -> Floats:
-    """Return the array elements at every second point along each axis, which form the grid of a coarser problem."""
+    """Return every second element of an array along each axis; these elements form a coarser grid."""
     return np.ascontiguousarray(values[(slice(None, None, 2),) * values.ndim])
 
 
@@ -462,7 +469,7 @@ StepKind = Literal["loads", "approaches"]
 def parse_loads_or_approaches(
     problem: HalfSpaceProblem, loads: ArrayLike | None, approaches: ArrayLike | None
 ) -> tuple[StepKind, Floats]:
-    """Check loads or approaches; return "loads" with loads (mN), or "approaches" with approaches (µm)."""
+    """Check loads (mN) or approaches (µm), and return them with the word "loads" or "approaches"."""
     step_kind: StepKind = "loads" if approaches is None else "approaches"
     given_values = loads if approaches is None else approaches
     if given_values is None or (loads is not None and approaches is not None):
@@ -518,7 +525,7 @@ def lever_arms(problem: HalfSpaceProblem) -> list[Floats]:
 
 @dataclass(frozen=True, eq=False)
 class TiltResponse:
-    """Linear response of the contact points to a mean pressure and to a tilt: pressures, approach and moments."""
+    """Response of contact pressures, approach and moments to a mean pressure, and to a tilt of the upper surface."""
 
     # Contact pressures (GPa), approach (µm) and moments per area about n axes (GPa µm) at a mean pressure of 1 GPa.
     pressure: Floats
@@ -531,7 +538,7 @@ class TiltResponse:
 
     @classmethod
     def solve(cls, problem: HalfSpaceProblem, free_mask: NDArray[np.bool_]) -> TiltResponse:
-        """Compute how the pressures at the points of a mask respond to a mean pressure of 1 GPa and to a tilt."""
+        """Compute how the pressures at the points of a mask change under a mean pressure of 1 GPa and under a tilt."""
         max_pressure = np.where(free_mask, MAX_LINEAR_RESPONSE_PRESSURE, 0.0)
         arms = lever_arms(problem)
 
@@ -562,7 +569,10 @@ class TiltResponse:
         return cls(pressure, approach, moments, slope_pressures, (moments_per_slope + moments_per_slope.T) / 2)
 
     def balanced_response(self) -> tuple[Floats, float]:
-        """Return the pressures (sum 1 GPa) and the approach (µm) at the tilt at which the pressures cause no moment."""
+        """Return the pressures and the approach (µm) at the tilt for which the pressures have no resultant moment.
+
+        The pressures have the sum 1 GPa.
+        """
         slopes = -np.linalg.lstsq(self.moments_per_slope, self.moments, rcond=None)[0]
         pressure = self.pressure + sum(
             slope * slope_pressure for slope, slope_pressure in zip(slopes, self.slope_pressures, strict=True)
@@ -571,12 +581,12 @@ class TiltResponse:
 
 
 def mean_moments(pressure: Floats, arms: list[Floats]) -> Floats:
-    """Return the moments of a pressure about the centre (GPa µm), averaged over all grid points."""
+    """Return the moments of a pressure about the centre, averaged over all grid points (GPa µm)."""
     return np.array([float((pressure * arm).mean()) for arm in arms])
 
 
 class ContactSolver:
-    """Solver for one contact problem, at loads (mN) or approaches (µm) that do not exceed `limit`."""
+    """Solver for a single contact problem, at any loads (mN) or approaches (µm) up to `limit`."""
 
     def __init__(
         self, problem: HalfSpaceProblem, step_kind: StepKind, limit: float, *, tolerance: float,

@@ -1,4 +1,4 @@
-"""Closed-form area of contacts that yield, from the area of the elastic contact at the same load.
+"""Closed-form area of yielding contacts, computed from the area of elastic contacts at the same load.
 
 A limit on the pressure misses up to 30 % of the true area of metals, because metals also yield below the surface. The
 closed form was fitted to elastic-plastic calculations; see the page "Area of yielding contacts".
@@ -38,7 +38,10 @@ INDENTATION_AREA_RATIO = 24.5
 
 
 def ball_yield_pressure(hardness: float) -> float:
-    """Return the mean pressure (GPa) at which a ball starts to yield, or NaN for an unknown hardness (GPa) of NaN."""
+    """Return the mean pressure (GPa) at which a ball of a given hardness (GPa) starts to yield.
+
+    If the hardness is unknown (NaN), NaN is returned.
+    """
     return BALL_YIELD_PRESSURE_RATIO * hardness
 
 

@@ -17,7 +17,7 @@ MAX_CLOSURE_EXTRAPOLATION = 10.0
 
 @dataclass(frozen=True)
 class BandisLaw:
-    """Bandis' law of a joint: p = K c / (1 - c/V) with pressure p and closure c, and the misfit of the fitted law.
+    """Bandis' law of a joint, p = K c / (1 - c/V) for pressure p and closure c, with the misfit of the fitted law.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class BandisLaw:
 
 
 def fit_bandis_law(pressure: Floats, closure: Floats) -> BandisLaw:
-    """Fit Bandis' law to closures (µm) at nominal pressures (GPa), by least squares of relative deviations.
+    """Fit Bandis' law to closures (µm) at nominal pressures (GPa) by minimizing squared relative deviations.
 
     All numbers are NaN if the joint does not close, or if the closures are too small to determine the maximum.
     """

@@ -1,4 +1,4 @@
-"""Contact laws: force and area of a single asperity contact.
+"""Contact laws: normal force and area of a single asperity contact as functions of the overlap.
 
 A law is a frozen dataclass whose fields are its parameters with their units. The class determines the name of the law
 and its table in a study file. The core has a law with the same name and parameters. The effective modulus is common to

@@ -1,4 +1,4 @@
-"""Load curves: sums of forces and areas over all contacts at each approach, from which friction is computed.
+"""Load curves: forces and areas summed over all contacts at each approach, from which friction follows.
 
 Hanaor, Gan & Einav (2016), Eqs. 6 and 7.
 """

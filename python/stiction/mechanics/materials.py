@@ -299,12 +299,12 @@ def are_material_names_equal(text: str, name: str) -> bool:
 
 
 def is_coating_formula(name: str) -> bool:
-    """Return whether a name is the formula of a hard or lubricant coating, in upper or lower case."""
+    """Return whether a name is the chemical formula of a hard or lubricant coating; case does not matter."""
     return _normalise_name(name) in {_normalise_name(formula) for formula in COATING_FORMULAS}
 
 
 def _is_formula_of_another_material(name: str, other_material: Material) -> bool:
-    """Return whether a name is a formula, such as "TiN", that equals a material's name ("tin") except for case."""
+    """Return whether a name is a chemical formula, such as "TiN", and not the name of a material, such as "tin"."""
     letters = "".join(character for character in name if character.isalnum())
     exact_names = ("".join(filter(str.isalnum, exact_name)) for exact_name in _names_and_aliases(other_material))
     if letters in exact_names or letters in (letters.lower(), letters.upper()):

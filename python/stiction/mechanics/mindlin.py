@@ -1,4 +1,4 @@
-"""Partial slip before the onset of sliding, for asperity contacts that move together and for half-space contacts.
+"""Partial slip before the onset of sliding: asperity contacts with a common displacement, or half-spaces.
 
 A traction that decreases from the centre of an ellipse outwards is a sum of flat-punch tractions on smaller ellipses
 with the same aspect ratio and relative size t from 0 to 1. Each of these tractions causes a uniform displacement. A
@@ -58,7 +58,9 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
 
 
 def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
-    """Return mean sin² φ per contact; φ is the angle between the motion and the line from its centre to a loaded point.
+    """Return the load-weighted mean of sin² φ in each contact, where φ is an angle to the direction of motion.
+
+    φ is the angle between the motion and the line from the contact's centre to a loaded point.
 
     The mean is the `transverse_fraction` of `compliance_ratio`. `axes` are the semi-axes, and `angle` (rad) is the
     angle between the motion and the larger semi-axis.
@@ -72,7 +74,7 @@ def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
 
 
 class AsperityTangentialProblem:
-    """Asperity contacts under a tangential load in the direction `angle` (degrees); all have the same displacement.
+    """Asperity contacts with a common displacement under a tangential load along `angle` (degrees).
 
     frictional, adhesive : (c,) ndarray, mN
             mu0 times normal load, and tau0 times area.
@@ -148,7 +150,7 @@ class AsperityTangentialProblem:
         return float(((strength * slip_distance * sine) @ weights * end_angle[:, 0]).sum())
 
     def _spring_strengths(self, sine: Floats) -> Floats:
-        """Return the strengths (mN) of springs that model each contact, 3/4 mu0 F s² + 2/π tau0 A s with s = `sine`."""
+        """Return the strengths 3/4 mu0 F s² + 2/π tau0 A s (mN) of springs that model a contact; s is `sine`."""
         return np.asarray(
             0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
         )
@@ -259,7 +261,7 @@ class HalfSpaceTangentialProblem:
         )
 
     def dissipated_energy(self, slip: SlipState) -> float:
-        """Return the energy (mN µm) that slip dissipates in first loading: the sum of traction · slip · cell area.
+        """Return the energy (mN µm) that slip dissipates in first loading, as the sum of traction · slip · cell area.
 
         The sum is over the slipping points. The energy does not depend on the displacement of distant points.
         """

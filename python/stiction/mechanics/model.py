@@ -224,7 +224,10 @@ def make_model(keywords: Mapping[str, object], default: ContactModel | None = No
 
 
 def make_pair_model(upper: Any, lower: Any, keywords: Mapping[str, object]) -> ContactModel:
-    """Check two surfaces, and create their contact model from keyword arguments and the defaults for their type."""
+    """Check two surfaces, and create their contact model from keyword arguments and defaults.
+
+    The defaults depend on the type of the surfaces.
+    """
     check_pair(upper, lower)
     check_modulus_is_given(keywords, upper, lower)
     if isinstance(upper, Surface):
@@ -233,7 +236,7 @@ def make_pair_model(upper: Any, lower: Any, keywords: Mapping[str, object]) -> C
 
 
 def modulus_or_default(effective_modulus: Any, *bodies: Profile | Surface) -> float:
-    """Return the given effective modulus (GPa) or, for generated surfaces without a given modulus, the default.
+    """Return the given effective modulus (GPa), or the default modulus for generated surfaces if None is given.
 
     The default is the modulus of the paper. For measured surfaces, a modulus is required.
     """
@@ -244,13 +247,16 @@ def modulus_or_default(effective_modulus: Any, *bodies: Profile | Surface) -> fl
 
 
 def check_modulus_is_given(keywords: Mapping[str, object], *bodies: Profile | Surface) -> None:
-    """Raise a `ValueError` if a surface was read from a file, but neither modulus nor model is given."""
+    """Raise a `ValueError` if a surface from a file has neither an effective modulus nor a contact model."""
     if "effective_modulus" not in keywords and "model" not in keywords:
         reject_missing_modulus(*map(source_history_entry, bodies))
 
 
 def reject_missing_modulus(*sources: str) -> None:
-    """Raise a `ValueError` about a missing `effective_modulus` if `sources` names the file of a measured body."""
+    """Raise a `ValueError` if a body was measured, because measured bodies require an `effective_modulus`.
+
+    `sources` contains the files of measured bodies.
+    """
     for source in filter(None, sources):
         raise ValueError(
             f"effective_modulus (GPa) must be given, because a body was {source}; the default "
@@ -284,7 +290,7 @@ def add_model_keywords_to_signature(function: _Function) -> _Function:
 
 
 def check_pair(upper: Any, lower: Any, *, whole: bool = True) -> None:
-    """Check that two bodies have the same type and spacing and, if `whole` is true, that no points are missing."""
+    """Check that two bodies have equal types and spacings. If `whole` is True, reject missing points."""
     for name, body in (("upper", upper), ("lower", lower)):
         as_body(name, body)
         if whole:

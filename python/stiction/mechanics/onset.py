@@ -36,7 +36,9 @@ DISPLACEMENT_TOLERANCE = 1e-7
 
 @dataclass(frozen=True)
 class SlipState:
-    """Partial slip at one tangential load (mN): displacement (µm), tractions (GPa), slipped fractions of area and load.
+    """Partial slip at one tangential load (mN): displacement (µm), tractions (GPa), and slipped fractions.
+
+    The fractions are those of the area and of the load.
 
     `point_displacements` are the displacements of the contact points if the solver returned them.
     """
@@ -74,7 +76,7 @@ class TangentialProblem(Protocol):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Onset(PlotReprMixin):
-    """Onset of sliding of two surfaces: a tangential load grows from 0 at constant normal load.
+    """Onset of sliding of two surfaces while the tangential load grows from 0 at a constant normal load.
 
     Arrays are read-only.
 
@@ -351,7 +353,7 @@ MIN_RELATIVE_STRENGTH = 1e-9
 
 
 def resolve_index(index: Any, count: int, items: str) -> int:
-    """Convert an index that may count from the end (negative) to a nonnegative index, or raise a `ValueError`."""
+    """Convert an index that may count from the end to a nonnegative index; raise a `ValueError` if out of range."""
     try:
         checked_index = validate_whole_number("index", index, minimum=-count, maximum=count - 1)
     except ValueError:
@@ -444,7 +446,7 @@ def _validate_displacements(displacements: ArrayLike, limit: float) -> Floats:
 def _solve_at_displacement(
     tangential_problem: TangentialProblem, target_displacement: float, sliding_state: SlipState, near: SlipState | None
 ) -> SlipState:
-    """Find the slip state at a given displacement (µm), by a search for its tangential load."""
+    """Find the slip state with a given displacement (µm) by varying the tangential load."""
     from scipy.optimize import brentq
 
     sliding_displacement = sliding_state.displacement

@@ -1,4 +1,4 @@
-"""Connected patches of a contact: true area, slope, and the forces and areas that determine friction."""
+"""Connected patches of a contact, with their areas, slopes, and the forces and areas that determine friction."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Level patches do not oppose the motion. For a sphere on a flat, solver errors gi
 
 
 def grid_slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) -> list[Floats]:
-    """Compute the slopes of heights along each axis: by Fourier transform if periodic, otherwise by natural splines."""
+    """Compute slopes of heights along each axis, from Fourier transforms if periodic, else from natural splines."""
     compute_slopes = _core.periodic_slopes if periodic else _core.natural_slopes
     slope_y, slope_x = compute_slopes(np.ascontiguousarray(np.atleast_2d(heights)), spacing=(spacing[0], spacing[-1]))
     return [slope_y, slope_x] if heights.ndim == 2 else [slope_x[0]]
@@ -30,7 +30,7 @@ def grid_slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) 
 
 @dataclass(frozen=True, eq=False)
 class PatchSums:
-    """Forces and areas of each contact patch in k contact solutions, from which loads follow for any mu0 and tau0.
+    """Force and area sums of each contact patch in k contact solutions, for evaluating loads at any mu0 and tau0.
 
     A patch has the force F along its normal n, the area A, and friction of mu0 F + tau0 A along its tangent t; the
     slider moves along s.
@@ -53,7 +53,7 @@ class PatchSums:
 
     @classmethod
     def join(cls, parts: Sequence[PatchSums]) -> PatchSums:
-        """Join the forces and areas of the patches of several contacts, in the order of the contacts."""
+        """Join the force and area sums of the patches of several contacts; the order of the contacts is kept."""
         first_patch = [0, *np.cumsum([part.force.size for part in parts[:-1]])]
         joined = {
             field.name: np.concatenate([getattr(part, field.name) for part in parts], axis=-1) for field in fields(cls)
@@ -63,12 +63,14 @@ class PatchSums:
 
     @cached_property
     def opposes_motion(self) -> NDArray[np.bool_]:
-        """Mask (directions, patches) of the patches that push the upper surface against the direction of motion."""
+        """Boolean array (directions, patches), True if a patch pushes the upper surface against its motion."""
         patch_counts = np.diff(self.first_patch, append=self.force.size)
         return np.asarray(self.leaning > np.repeat(MAX_LEVEL_PATCH_SLOPE * self.steepness, patch_counts) * self.force)
 
     def totals(self, sliding: SlidingRule) -> dict[str, Floats]:
-        """Return the total area (µm²) and normal force (mN) of all patches, and the sums that determine friction.
+        """Return area (µm²) and normal force (mN) of all patches, and sums that depend on the direction of motion.
+
+        The latter determine friction.
 
         Sums have the shape (k,) or, if they depend on the direction, (directions, k).
         """
@@ -79,7 +81,7 @@ class PatchSums:
         }
 
     def directed_totals(self, sliding: SlidingRule) -> list[Floats]:
-        """Sum forces and areas over the patches where friction acts; each array has one row per direction of motion.
+        """Sum forces and areas over the patches with friction, separately for each direction of motion.
 
         The arrays have the shape (directions, k) for k contacts.
         """

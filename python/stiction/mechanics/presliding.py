@@ -126,7 +126,7 @@ class LuGre(TextReprMixin):
 
 
 def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffness: float) -> FourParameterIwan:
-    """Fit the Iwan model to an onset curve by least squares of the tangential load."""
+    """Fit the Iwan model to an onset curve by minimizing the squared deviations of the tangential load."""
     _check_curve(displacement, load, MIN_FIT_POINTS)
     # The arguments are checked before the import of `scipy.optimize`, which takes 0.2 s.
     from scipy.optimize import least_squares
@@ -149,7 +149,7 @@ def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffne
 
 
 def fit_lugre(displacement: Floats, load: Floats, *, sliding_load: float) -> LuGre:
-    """Fit the LuGre model to an onset curve by least squares of the tangential load."""
+    """Fit the LuGre model to an onset curve by minimizing the squared deviations of the tangential load."""
     _check_curve(displacement, load, 1)
     from scipy.optimize import least_squares
 

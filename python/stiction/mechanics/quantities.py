@@ -92,7 +92,7 @@ class ResultQuantity:
 
     @property
     def table_unit(self) -> str:
-        """Unit of the quantity in tables and reports, before a prefix is chosen: "%" or `unit`."""
+        """Unit of the quantity in tables and reports, "%" or `unit`; a prefix such as n may be added later."""
         return "%" if self.percent else self.unit
 
     @property
@@ -556,7 +556,7 @@ def quantity_names_shown_in(view: OutputView) -> tuple[str, ...]:
 
 
 def is_requested(name: str, names: Collection[str] | None) -> bool:
-    """Return whether a quantity is requested: `names` contains its name, or is None, which requests all quantities."""
+    """Return whether `names` contains a quantity. The value None of `names` stands for all quantities."""
     return names is None or name in names
 
 
@@ -679,7 +679,7 @@ INTERVAL_KIND_ATTRIBUTE = "interval_kind"
 
 
 def find_interval_kind(name: str, attributes: Mapping[Any, Any]) -> EstimateKind:
-    """Return which kind of 95 % interval a quantity has: the kind in the variable's attributes, or else the default."""
+    """Return the kind of the 95 % interval of a quantity, from the variable's attributes or by default."""
     kind: EstimateKind = attributes.get(INTERVAL_KIND_ATTRIBUTE, QUANTITIES[name].interval_kind)
     return kind
 

@@ -1,4 +1,4 @@
-"""Area and friction as functions of the shortest resolved wavelength, and bounds on both if the bodies yield."""
+"""Area and friction as functions of the shortest resolved wavelength, with bounds for bodies that yield."""
 
 from __future__ import annotations
 
@@ -301,7 +301,7 @@ class _BodyPair:
 def _solve_at_loads(
     upper: Any, lower: Any, loads: Floats, directions: tuple[Direction, ...], **options: Any
 ) -> dict[str, Floats]:
-    """Solve the contact of two bodies at all loads (mN), and return results by name, such as area and elastic load.
+    """Solve the contact of two bodies at all loads (mN), and return a dict of results such as the contact area.
 
     Results of the contact have the shape (load,), sums have the shape (rule, load) and are averaged over directions.
     Both are NaN at loads for which no solution was found.
@@ -329,7 +329,7 @@ def _make_cutoff_dataset(
     body_pair: _BodyPair, lengths: list[float], loads: Floats, solutions: list[dict[str, Floats]], modulus: float,
     hardness: float | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Return a dataset of contact area, mean pressure and contributions to the loads, at each cutoff (µm).
+    """Return a dataset with contact area, mean pressure and the sums that determine friction, for each cutoff (µm).
 
     Values are NaN where the solver failed.
     """
@@ -389,7 +389,10 @@ def _add_plastic_limits(
     result: xr.Dataset, body_pair: _BodyPair, loads: Floats, elastic_solution: dict[str, Floats], modulus: float,
     hardness: float | None, strengths: tuple[float, float] | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Extend a `resolution` dataset by elastic areas of finer scans and by the wavelength at which contacts yield."""
+    """Add the elastic areas of finer scans and the yield wavelength to a `resolution` dataset.
+
+    Contacts yield if wavelengths down to the yield wavelength are included.
+    """
     gap = body_pair.compute_gap(body_pair.upper, body_pair.lower)
     roughness = scale_dependent_roughness(gap, periodic=body_pair.periodic)
     hurst_estimate = brackets.estimate_gap_hurst_exponent(gap, body_pair.periodic)
@@ -472,7 +475,7 @@ def spectral_resolution(
     kappa: float = KAPPA_AT_SMALL_LOADS,
     wavelengths: ArrayLike | None = None,
 ) -> xr.Dataset:
-    r"""Estimate true area and friction of two surfaces as closed-form functions of the shortest resolved wavelength.
+    r"""Estimate true area and friction of two surfaces in closed form as functions of the shortest resolved wavelength.
 
     Parameters
     ----------

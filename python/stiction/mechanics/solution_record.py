@@ -1,4 +1,4 @@
-"""Record of a half-space computation: number of iterations, and results of finished steps."""
+"""Record of a half-space computation, with its number of iterations and the results of finished steps."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class SolutionRecord:
         self.counter = _core.IterationCounter()
 
     def __reduce__(self) -> tuple[type[SolutionRecord], tuple[()]]:
-        """Return the constructor of an empty record, because copies and pickles of a record contain no steps."""
+        """Return the constructor call of an empty record, so that copies and pickles of a record contain no steps."""
         return SolutionRecord, ()
 
     def run_step(self, compute: Callable[[], StepResult], error_type: type[NoSolutionError]) -> StepResult:
@@ -42,4 +42,4 @@ class SolutionRecord:
         return None
 
     def offer_state(self, get_state: Callable[[], StepResult]) -> None:
-        """Store the state of the current step, unless another state was stored a short time before."""
+        """Store the state of the current step, but not sooner than a minimum time after the last stored state."""

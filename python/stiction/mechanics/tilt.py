@@ -44,7 +44,7 @@ RIGID_TILT_TOLERANCE = 1e-12
 
 
 def apply_tilt(problem: HalfSpaceProblem, slopes: Floats) -> HalfSpaceProblem:
-    """Tilt the upper surface of a problem about its centre, by slopes along y and x, or along x for profiles."""
+    """Tilt the upper surface of a problem about its centre by given slopes, along y and x (only x for profiles)."""
     plane = sum(slope * arm for slope, arm in zip(slopes, lever_arms(problem), strict=True))
     return replace(
         problem, upper_heights=problem.upper_heights + plane, gap=problem.gap + plane, tilt=problem.tilt + slopes
@@ -73,7 +73,7 @@ def solve_with_balanced_tilt(
     def search_balance(
         start: HalfSpaceProblem, load: float, near: Floats | None, tolerance: float
     ) -> ContactSolution | None:
-        """Search for the balanced tilt with Newton's method, starting at the tilt of the problem `start`.
+        """Search for the balanced tilt by Newton's method, starting from the tilt in `start`.
 
         Return None if the search fails.
         """

@@ -1,1 +1,1 @@
-"""Contact solutions for all members of a study, and storage of the areas and forces summed over contacts."""
+"""Contact solutions for the members of a study, and storage of forces and areas summed over contacts."""

@@ -42,7 +42,7 @@ and in 31 % after the tip reconstruction alone.
 
 
 def build_alternative_study(study: Study, name: AlternativeName) -> Study:
-    """Return a copy of a study whose scans have masked outliers and, if `name` is "tip", a larger tip correction.
+    """Return a copy of a study whose scans have masked outliers and, for "tip", also a larger tip correction.
 
     Both alternatives mask outliers, because a tip correction would broaden downward spikes. In a study that does not
     allow missing points, the heights of outliers are interpolated.
@@ -68,12 +68,12 @@ def find_alternative_study(study: Study, path: Path, name: AlternativeName) -> C
 
 
 def load_stored_alternatives(sums: MemberSums) -> dict[AlternativeName, MemberSums]:
-    """Load the stored results for alternative preparations of the scans, by name of the preparation."""
+    """Load the stored results for alternative preparations of the scans, keyed by the preparation's name."""
     return sums.load_companion(_open_results_of_alternative_preparations) or {}
 
 
 def _open_results_of_alternative_preparations(result: StoredResult) -> dict[AlternativeName, MemberSums] | None:
-    """Open the finished results for alternative preparations of the scans; None if no such result is stored."""
+    """Open the finished results for alternative preparations of the scans, or return None if none is stored."""
     if not result.study.is_measured or not (result.path / ALTERNATIVES_DIRECTORY).is_dir():
         return None
     alternatives = {

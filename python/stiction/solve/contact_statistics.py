@@ -29,7 +29,7 @@ MAX_CELLS_OF_SMALL_CONTACT = 4
 
 @dataclass(frozen=True, eq=False)
 class PairSlopeStatistics:
-    """Slope statistics of two bodies: a mask of the steep points of each body, and mean square slopes of the gap."""
+    """Slope statistics of two bodies: masks of the steepest points, and mean square slopes of the gap."""
 
     steep_masks: dict[str, NDArray[np.bool_]]
     steepness_limits: dict[str, float]
@@ -71,7 +71,7 @@ class PairSlopeStatistics:
         return cls(steep_masks, steepness_limits, mean_squares, mean_product)
 
     def compute_gap_slopes(self, angles: Floats) -> tuple[float, Floats]:
-        """Return the rms gradient of the gap, and the rms slope of the gap along each direction (degrees from +x)."""
+        """Return the gap's rms gradient, and its rms slope along each direction (degrees from +x towards +y)."""
         mean_squares = self.gap_mean_squares
         if len(mean_squares) == 1:
             return float(np.sqrt(mean_squares[0])), np.full(angles.size, np.sqrt(mean_squares[0]))
@@ -120,7 +120,7 @@ class ContactList:
 def compute_patch_statistics(
     solutions: Sequence[ContactSolution], slopes: PairSlopeStatistics
 ) -> dict[str, NDArray[np.float64]]:
-    """Compute contact statistics for a result from half-space solutions; each array has one row per load.
+    """Compute the contact statistics of a result from half-space solutions; arrays have one row per load.
 
     Load fractions on the steepest points are on the steepest 10 % of the grid points of each body.
     """
@@ -185,7 +185,7 @@ def tabulate_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> C
 
 
 def compute_steep_contact_load_fraction(table: ContactList, slopes: PairSlopeStatistics) -> dict[str, float]:
-    """Return for each body the load fraction on contacts that are steeper than 90 % of the body's grid points."""
+    """Return, for each body, the fraction of the load on contacts steeper than 90 % of the body's grid points."""
     magnitude = np.hypot(table.slope_x, table.slope_y)
     total_load = table.force.sum()
     return {

@@ -144,9 +144,9 @@ def _can_be_copied() -> bool:
 
 
 def _send_value(function: Callable[[], Any], receiver: Connection, sender: Connection) -> None:
-    """Send the value of a function to the original process; after an error or Ctrl-C, end without a message.
+    """In a forked process, call a function and send its value to the original; exit silently on error or Ctrl-C.
 
-    The copy also ends if the original process is killed.
+    The forked process also ends if the original process is killed.
     """
     ctypes.CDLL(None).prctl(_SET_PARENT_DEATH_SIGNAL, signal.SIGKILL)
     signal.signal(signal.SIGINT, signal.SIG_DFL)
@@ -159,7 +159,7 @@ def _send_value(function: Callable[[], Any], receiver: Connection, sender: Conne
 def wrap_to_use_idle_threads(
     function: Callable[..., _Result], executor: Executor, tasks: int, points: int
 ) -> Callable[..., _Result]:
-    """Wrap a task function so that idle threads of the pool help with the Fourier transforms of each task.
+    """Wrap a task function so that idle threads of the pool take part in the task's Fourier transforms.
 
     Several threads compute each FFT if there are fewer tasks than threads and the grid is large. `tasks` is the number
     of tasks, and `points` is the number of grid points of each task.
@@ -231,7 +231,7 @@ def progress_bar(
 
 
 def _may_show_progress_bar() -> bool:
-    """Return whether a terminal or a notebook may be able to show a progress bar.
+    """Return whether a progress bar may be visible, on a terminal (standard error) or in a notebook.
 
     If True is returned, `rich` decides. Its import takes 50 ms.
     """
@@ -244,7 +244,7 @@ def _may_show_progress_bar() -> bool:
 
 @contextlib.contextmanager
 def _progress_display(label: str, total: int, finished: int) -> Iterator[Callable[[float, int, str], None] | None]:
-    """Show a progress bar, and yield a function that updates it: finished work, number of finished tasks, time left.
+    """Show a progress bar, and yield a function that sets finished work, finished tasks and remaining time.
 
     Yields None if there is neither a terminal nor a notebook.
     """

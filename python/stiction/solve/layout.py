@@ -48,7 +48,7 @@ _Value = TypeVar("_Value")
 
 @dataclass(frozen=True)
 class ArraySpec:
-    """Specification of a stored array: dimensions, shape, data type and attributes."""
+    """Dimensions, shape, data type and attributes of an array that is stored in a result."""
 
     dims: tuple[str, ...]
     shape: tuple[int, ...]
@@ -64,7 +64,7 @@ class ArraySpec:
 def coordinate_specs_and_values(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None
 ) -> dict[str, tuple[ArraySpec, NDArray[Any]]]:
-    """Return the specification and the array of each coordinate of a result, by coordinate name.
+    """Return the specification and the values of each coordinate of a result, keyed by coordinate name.
 
     The coordinates are in the order of the dimensions. `repetitions` selects the members, by default all.
     """
@@ -95,7 +95,7 @@ def coordinate_specs_and_values(
 def variable_specs(
     study: Study, repetitions: Sequence[int] | NDArray[np.intp] | None = None, names: Collection[str] | None = None
 ) -> dict[str, ArraySpec]:
-    """Return the specification of each variable of a result: dimensions, shape, data type and attributes, by name.
+    """Return dimensions, shape, data type and attributes of each variable of a result, keyed by its name.
 
     `repetitions` selects the members, and `names` selects the variables; by default, all are included. Names of other
     variables are ignored.
@@ -120,7 +120,7 @@ def compute_bytes_per_member(study: Study) -> int:
 
 
 def compute_members_per_piece(size: int) -> int:
-    """Return how many members of `size` bytes fit into `MAX_PIECE_BYTES`, rounded down to a power of 2 (at least 1)."""
+    """Return how many members of `size` bytes fit into `MAX_PIECE_BYTES`, as a power of 2 that is at least 1."""
     return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 
@@ -149,7 +149,7 @@ def _list_dims(study: Study, name: str) -> tuple[str, ...]:
 
 
 def stack_members(study: Study, members: Sequence[ArraysByName]) -> ArraysByName:
-    """Stack the arrays of several members along a new axis, which is placed after existing axes such as the cutoff."""
+    """Stack the arrays of members along a new axis, which follows the axes of cutoffs or kinds of surfaces."""
     axis = len(study.surfaces.cell_coordinates())
     return {
         name: np.stack([member[name] for member in members], axis=0 if name in MEMBER_COORDINATE_TYPES else axis)
@@ -207,7 +207,7 @@ _MODULUS_AND_LENGTH_POWERS_BY_UNIT = {
 def nondimensional(
     result: xarray.Dataset, *, length: float | None = None, effective_modulus: float | None = None
 ) -> xarray.Dataset:
-    """Divide all quantities in a dataset by powers of E* and of a length L, so that the quantities have no units.
+    """Make all quantities in a dataset dimensionless: divide them by powers of E* and of a length L.
 
     Parameters
     ----------

@@ -103,7 +103,7 @@ def solve_at_loads(
     study: Study, upper: Profile | Surface, lower: Profile | Surface, *, record: SolutionRecord | None = None,
     computes_unloading: bool = False, computes_elastic_area: bool = False,
 ) -> ArraysByName:  # fmt: skip
-    """Solve the contact of two bodies at a study's loads, and return contact statistics and summed forces and areas.
+    """Solve the contact of two bodies at a study's loads; return contact statistics and sums of forces and areas.
 
     Only measured bodies have contact statistics. Arrays that depend on the motion have the shape (rules, directions,
     loads); all others have the shape (loads,). At loads for which the solver fails, values are NaN and the number of
@@ -138,7 +138,7 @@ def solve_at_loads(
 
 
 def _build_unsolved_values(name: str, motion_shape: tuple[int, int], num_loads: int) -> NDArray[Any]:
-    """Return placeholders for a variable at loads without a solution: NaN, a count of 0, or "not-solved"."""
+    """Return placeholders for loads without a solution: NaN, the count 0 or the status "not-solved"."""
     sizes = {
         "sliding": motion_shape[0],
         "direction": motion_shape[1],
@@ -152,7 +152,7 @@ def _build_unsolved_values(name: str, motion_shape: tuple[int, int], num_loads: 
 
 
 def _list_profile_directions(contact: CommonContactSettings) -> list[ShearDirection]:
-    """Return the directions of motion of profiles that a section `[contact]` specifies: "+x", "-x", or both."""
+    """Return the directions in which profiles move according to a section `[contact]`: "+x", "-x" or both."""
     return ["+x" if math.cos(math.radians(angle)) > 0 else "-x" for angle in contact.direction_angles()]
 
 
@@ -295,7 +295,7 @@ def _solve_asperities(
 
 
 def precompute_candidates(upper: Any, lower: Any, max_approach: float, model: ContactModel) -> tuple[Any, ...]:
-    """Find all contact candidates of two bodies up to an approach (µm), so that later calls need not search again.
+    """Find all contact candidates of two bodies up to an approach (µm) in advance, for use by later calls.
 
     Returns the candidates, or both bodies unchanged if contacts are not detected as minima of the gap.
     """
@@ -318,7 +318,7 @@ class PressedPair:
 
     @classmethod
     def solve(cls, study: Study, pair: tuple[Any, Any], load: float) -> PressedPair | None:
-        """Solve the contact of two bodies at a normal load (mN) without friction; return None if the solver fails."""
+        """Solve the contact of two bodies at a normal load (mN), without friction, or return None on failure."""
         upper, lower = pair
         contact = study.contact
         if isinstance(contact, HalfSpaceSettings):
@@ -446,7 +446,7 @@ def compute_member_arrays(study: Study, index: int, record: SolutionRecord | Non
 
 @functools.lru_cache(maxsize=4)
 def get_array_shapes_and_types(study: Study) -> dict[str, tuple[tuple[int, ...], np.dtype[Any]]]:
-    """Return shape and data type of each variable of one member, by name."""
+    """Return shape and data type of each variable of one member, keyed by the variable's name."""
     num_cell_dims = len(study.surfaces.cell_coordinates())
     return {
         name: ((*spec.shape[:num_cell_dims], *spec.shape[num_cell_dims + 1 :]), spec.dtype)
@@ -489,7 +489,7 @@ def estimate_member_time(study: Study, member: int | None = None) -> float:
 def sum_over_members(
     estimate: Callable[[Study, int | None], float], study: Study, member_ranges: Iterable[range]
 ) -> float:
-    """Return the sum of `estimate_member_time` or `estimate_member_iterations` over several ranges of members."""
+    """Sum estimates of time, or of solver iterations, over the members in several ranges."""
     value_of_most_members, total = estimate(study, None), 0.0
     early_members = _find_members_with_additional_work(study)
     for members in member_ranges:
@@ -500,7 +500,7 @@ def sum_over_members(
 
 
 def estimate_thread_time_factor(study: Study) -> float:
-    """Estimate the factor by which a member takes longer to compute while other threads compute further members.
+    """Estimate how many times longer the computation of a member takes if other threads compute as well.
 
     The factor was measured without adhesion.
     """
@@ -525,14 +525,14 @@ def estimate_member_iterations(study: Study, member: int | None = None) -> float
 
 
 def _estimate_iteration_growth(study: Study) -> float:
-    """Estimate the ratio of the iterations per load without adhesion to the typical number `ITERATIONS_PER_LOAD`."""
+    """Estimate the ratio of solver iterations per load to `ITERATIONS_PER_LOAD`, for contacts without adhesion."""
     if not study.is_areal:
         return 1.0
     return math.pow(max(1.0, count_grid_points(study) / MAX_POINTS_OF_TYPICAL_ITERATIONS), ITERATION_GROWTH_EXPONENT)
 
 
 def _estimate_additional_work(study: Study, member: int | None) -> float:
-    """Estimate the extra work for elastic area and unloading stiffness of a member, as a number of solutions per load.
+    """Estimate the work for a member's elastic area and unloading stiffness, in contact solutions per load.
 
     For lines, the time of a solution includes the unloading stiffness, which all members have.
     """
@@ -547,7 +547,10 @@ def _estimate_additional_work(study: Study, member: int | None) -> float:
 
 
 def _find_members_with_additional_work(study: Study) -> range:
-    """Return a range of members that includes all whose elastic area or unloading stiffness must be computed."""
+    """Return a range with all members whose elastic area or unloading stiffness must be computed.
+
+    The range may contain other members.
+    """
     if not (study.is_measured and study.uses_half_space) or study.contact.hardness is None:
         return range(0)
     num_unloading_members = study.surfaces.first_scan_member_index + NUM_UNLOADING_MEMBERS if study.is_areal else 0
@@ -555,7 +558,7 @@ def _find_members_with_additional_work(study: Study) -> range:
 
 
 def _estimate_adhesion_iterations(study: Study) -> float:
-    """Estimate how many iterations adhesion adds, by slower convergence and by the search for the pull-off force."""
+    """Estimate how many iterations adhesion adds by slower convergence and by the search for the pull-off force."""
     factor = ADHESION_ITERATIONS_AT_UNIT_RATIO[study.is_areal]
     min_ratio = factor / MAX_ADHESION_ITERATIONS[study.is_areal]
     return factor / max(_estimate_elasticity_to_adhesion_ratio(study), min_ratio)
@@ -571,7 +574,7 @@ def estimate_solution_time(study: Study) -> float:
 
 
 def _estimate_solver_time(study: Study) -> float:
-    """Estimate the time (s) on one core of the solver at one load without adhesion, including the stiffness."""
+    """Estimate the time (s) on one core to solve one load without adhesion and to compute the stiffness."""
     is_areal = study.is_areal
     coefficient, exponent = SOLUTION_TIME_COEFFICIENTS[is_areal]
     num_points = count_grid_points(study)
@@ -587,7 +590,7 @@ def _estimate_iteration_time(study: Study) -> float:
 
 @functools.lru_cache(maxsize=16)
 def _estimate_elasticity_to_adhesion_ratio(study: Study) -> float:
-    """Estimate the ratio E* Sq Sdq / (4 w) of elastic energy to work of adhesion, for the gap of the first member.
+    """Estimate the ratio of elastic energy to work of adhesion, E* Sq Sdq / (4 w), for the first member's gap.
 
     By the Cauchy-Schwarz inequality, this ratio is at least the elastic energy per area of complete contact, divided by
     w. Returns 0 if files are missing.
@@ -610,7 +613,7 @@ def _estimate_elasticity_to_adhesion_ratio(study: Study) -> float:
 def _solve_generated_member(
     study: Study, repetition: int, record: SolutionRecord | None
 ) -> Iterator[tuple[Any, ArraysByName]]:
-    """Compute forces and areas summed over the contacts of one generated member, per fractal dimension and amplitude.
+    """Compute forces and areas, summed over contacts, of a generated member at each fractal dimension and amplitude.
 
     Yields the indices of one or several cells with their contact sums.
     """
@@ -653,7 +656,7 @@ def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile 
 
 
 def _compute_onsets(study: Study, curve: LoadCurve) -> ArraysByName:
-    """Compute tangential stiffness, displacement at sliding and slipped load fraction at each approach.
+    """Compute, at each approach, the tangential stiffness, displacement at sliding and slipped load fraction.
 
     The bodies move in the first direction of the section `[contact]`.
     """
@@ -683,7 +686,9 @@ def _list_loading_steps(contact: Any) -> Floats:
 
 
 def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slice, ArraysByName]]:
-    """Sum forces and areas over contacts of generated profiles in the asperity model, in batches of fractal dimensions.
+    """Compute forces and areas, summed over contacts, of generated profiles in the asperity model, batch by batch.
+
+    Each batch contains several fractal dimensions.
 
     Yields the range of fractal dimensions in a batch, with contact sums as arrays of the shape (fractal dimensions,
     amplitudes, sliding rules, steps). Quantities that do not depend on the motion have a single sliding rule.
@@ -715,7 +720,7 @@ def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slic
 
 
 def _get_reused_array(shape: tuple[int, ...]) -> Floats:
-    """Return an uninitialised array that each thread reuses in all tasks, because allocation is slow.
+    """Return an uninitialised array of this thread, reused in all its tasks to save the time of allocation.
 
     The array is aligned to cache lines of the processor, so that vector writes do not cross cache lines.
     """
@@ -757,7 +762,7 @@ def _solve_measured_member(
 
 
 def find_elastic_members(study: Study) -> range:
-    """Return the indices of the members that are also solved without yielding, which gives the elastic contact area."""
+    """Return the indices of the members that are solved a second time without yielding, for the elastic area."""
     count = NUM_ELASTIC_PROFILE_MEMBERS
     if study.is_areal:
         is_large = count_grid_points(study) >= MIN_LARGE_MAP_POINTS

@@ -82,7 +82,7 @@ class MemberSums:
 
     @property
     def head(self) -> xarray.Dataset:
-        """Coordinates and attributes of the result, in a dataset that may contain only one member.
+        """Dataset with coordinates and attributes of the result; it need not contain all members.
 
         For a stored result, the dataset contains the sums of the first finished member only. Raises a `StoreError` if
         no member is finished.
@@ -110,7 +110,7 @@ class MemberSums:
         return str(self.source.attrs.get("stiction_version", "unknown"))
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-        """Yield the result in pieces of several members, so that only one piece is in memory at a time.
+        """Yield the result as datasets of several members each, so that only one dataset is in memory at a time.
 
         `names` lists the variables of a piece, by default all variables. The pieces depend only on the study, so that
         sums over the pieces are bitwise reproducible.
@@ -167,7 +167,7 @@ class MemberSums:
         return share_read_only(self.means(["normal_elastic"]))["normal_elastic"]
 
     def load_companion(self, read: Callable[[StoredResult], _Value | None]) -> _Value | None:
-        """Load data with the function `read` from the directory of the stored result, and cache the data.
+        """Load data from the directory of the stored result by calling `read`, and cache the data.
 
         Returns None for results in memory. The arrays of datasets are read-only. The value None is not cached, because
         an unfinished run may add the data later.
@@ -183,7 +183,7 @@ class MemberSums:
         return share_read_only(self._companions[read])  # type: ignore[no-any-return]
 
     def compute_once(self, compute: Callable[[Self], _Value]) -> _Value:
-        """Compute `compute(self)` once, cache the returned value, and return it in all calls with the same function.
+        """Return `compute(self)`. The value is computed in the first call with this function, and then cached.
 
         The arrays of datasets are read-only.
         """

@@ -1,4 +1,4 @@
-"""Members whose computation has started: progress of each member, and files with results of its finished steps.
+"""Members whose computation has started: the progress of each member, and files of its finished steps.
 
     DIR/in_progress/0000003-1b2c3d4e5f6a7b8c/00007.npz     step 7 of member 3, for example the contact at one load
     DIR/in_progress/0000003-1b2c3d4e5f6a7b8c/state.npz     state in the middle of the next step
@@ -51,7 +51,7 @@ advance.
 
 
 class MembersInProgress:
-    """Members that a run is computing: progress of each member, and files with the results of its finished steps.
+    """Members that a run is computing: the progress of each member, and files of its finished steps.
 
     `estimate_iterations` returns the expected number of iterations of the member with a given index.
     `estimate_mean_iterations` returns the mean of these numbers over all members that the run computes. Without this
@@ -75,7 +75,7 @@ class MembersInProgress:
         return self._estimate_mean_iterations() if self._estimate_mean_iterations else 0.0
 
     def _get_work(self, member: int) -> float:
-        """Return the work of a member as a multiple of the mean work of all members to compute."""
+        """Return the expected iterations of a member, divided by the mean over all members to be computed."""
         return self._estimate_iterations(member) / self._mean_iterations if self._mean_iterations else 1.0
 
     @cached_property
@@ -103,7 +103,7 @@ class MembersInProgress:
             remove_stored_steps(self._directory, members)
 
     def estimate_progress(self) -> float:
-        """Estimate the finished work beyond the number of finished members, in units of a member's mean work.
+        """Estimate the finished work minus the number of finished members, in units of a member's mean work.
 
         The first members take more work than the others. When they are finished, more work is finished than their
         number says; this excess is 0 when all members are finished.
@@ -119,7 +119,7 @@ class MembersInProgress:
 
 
 def compute_steps_key(inputs: str, modules: tuple[Path, ...] = ()) -> str:
-    """Compute the key under which solved steps are stored: a checksum of the inputs, the software and the machine.
+    """Return the key of stored solution steps, a checksum of the inputs, the software and the machine.
 
     Steps with the same key are equal in every bit. `modules` are Python modules that determine, besides the solver, the
     steps into which a computation is divided.
@@ -141,12 +141,12 @@ def _hash_step_modules(modules: tuple[Path, ...]) -> str:
 
 
 def stored_record(directory: Path, member: int, key: str) -> SolutionRecord:
-    """Return a record that stores a member's finished steps in files, and reads steps that an earlier run stored."""
+    """Return a record that writes a member's finished steps to files, and reuses steps of an earlier run."""
     return _StoredRecord(directory / IN_PROGRESS_DIRECTORY / f"{member:07d}-{key}")
 
 
 def _estimate_finished_fraction(iteration_ratio: float) -> float:
-    """Estimate the finished fraction of a member from the ratio of finished to expected iterations."""
+    """Estimate which fraction of a member is finished, from the ratio of finished to expected iterations."""
     if iteration_ratio <= MAX_LINEAR_PROGRESS_FRACTION:
         return iteration_ratio
     return 1 - MAX_LINEAR_PROGRESS_FRACTION**2 / iteration_ratio
@@ -162,7 +162,7 @@ def find_members_in_progress(directory: Path) -> set[int]:
 
 
 def find_steps_with_other_keys(directory: Path, member: int, key: str) -> list[Path]:
-    """Return the directories in which steps of a member are stored with a key (checksum) other than `key`.
+    """Return the directories with stored steps of a member whose key (a checksum) differs from `key`.
 
     Such steps belong to other inputs, other software or another machine.
     """
@@ -174,7 +174,7 @@ def find_steps_with_other_keys(directory: Path, member: int, key: str) -> list[P
 
 
 def remove_stored_steps(directory: Path, members: Container[int] | None = None, key: str | None = None) -> None:
-    """Remove the files of finished solution steps from a result directory: those of given members, or of all.
+    """Remove the files of finished steps of the given members, or of all members, from a result directory.
 
     `members` selects the members, and `key` selects the checksum. By default, the steps of all members with any
     checksum are removed.
@@ -250,7 +250,7 @@ class _StoredRecord(SolutionRecord):
         return self._directory.is_dir()
 
     def _read_step(self, step: int) -> StepResult | None:
-        """Read the result of a finished step.
+        """Read the result of a finished step from its file.
 
         Returns None if this step or an earlier step is not stored.
         """

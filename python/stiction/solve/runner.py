@@ -1,4 +1,4 @@
-"""Run of a study: the members are divided into blocks, and an executor computes each block as a separate task."""
+"""Run of a study: blocks of members, each computed as a separate task of an executor."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ MAX_BYTES_IN_MEMORY = 2**34
 
 
 def choose_block_size(study: Study) -> int:
-    """Return the number of members per block, chosen from the time and the memory that a member takes."""
+    """Return how many members one block contains, given a member's computing time and memory."""
     size_by_time = int(min(TARGET_BLOCK_TIME / max(estimate_member_time(study), 1e-9), MAX_BLOCK_MEMBERS))
     size_by_bytes = MAX_BLOCK_BYTES // compute_bytes_per_member(study)
     num_members = study.ensemble.repetitions
@@ -92,7 +92,10 @@ def choose_block_size(study: Study) -> int:
 def compute_member_sums(
     study: Study, *, executor: Executor | None = None, store: str | Path | None = None, progress: bool = False
 ) -> MemberSums:
-    """Compute forces and areas, summed over contacts, of all members of a study, in memory or in a directory."""
+    """Compute forces and areas, summed over contacts, for all members of a study, and store them if requested.
+
+    Without a directory, the forces and areas are only in memory.
+    """
     check_instance("study", study, Study, "a Study")
     check_bool("progress", progress)
     size = study.ensemble.repetitions * compute_bytes_per_member(study)
@@ -134,7 +137,7 @@ def compute_missing_blocks(
 def prepare_result_directory(
     study: Study, directory: str | Path, claim: DirectoryClaim, part: tuple[int, int] | None = None
 ) -> StoredResult:
-    """Create the result directory of a study or open the existing one, and claim it for this run.
+    """Create or open the result directory of a study, and claim the directory for this run.
 
     Raises the errors of `compute_missing_blocks`.
     """
@@ -270,7 +273,7 @@ def _compute_blocks(
 
 @contextlib.contextmanager
 def _create_run_token(path: Path) -> Iterator[SharedResultDirectory]:
-    """Create a file in the result directory that marks the run as active, and remove it when the run ends.
+    """Mark the run as active by a file in the result directory, yield the directory, and remove the file.
 
     If a worker finds the token file, the worker can access the directory, and the run is still active.
     """
@@ -284,7 +287,7 @@ def _create_run_token(path: Path) -> Iterator[SharedResultDirectory]:
 
 @contextlib.contextmanager
 def _add_finished_count_to_errors(stored_result: StoredResult) -> Iterator[None]:
-    """Append the number of finished members to the message of an error that a storage fault or a dead worker causes."""
+    """Append the number of finished members to the messages of storage errors and of errors from dead workers."""
     try:
         yield
     except (StoreError, BrokenExecutor) as error:
@@ -337,7 +340,7 @@ LONG_RUN_TIME = 600.0  # s, on all threads
 def _describe_remaining_work(
     stored_result: StoredResult, unfinished_members: _UnfinishedMembers, is_visible: bool, workers: int
 ) -> str:
-    """Describe the remaining work in one line: members, time, files, and the free disk space if it may not suffice."""
+    """Describe the remaining members, time and files in one line, and the free disk space if it may be too small."""
     study = stored_result.study
     free_bytes = shutil.disk_usage(stored_result.path).free
     num_files = sum(1 for _ in unfinished_members)
@@ -390,7 +393,7 @@ def _format_revised_time_estimate(
 
 
 class _UnfinishedMembers:
-    """Ranges of members that a run has yet to compute; each range is within one block of members."""
+    """Ranges of members that a run still has to compute; no range extends beyond a block of members."""
 
     def __init__(self, stored_result: StoredResult, part: tuple[int, int] | None) -> None:
         num_members = stored_result.study.ensemble.repetitions
@@ -421,7 +424,7 @@ def _submit_member_ranges(
     advance: Callable[[int], None], task: Callable[..., Any], *arguments: Any,
     meanwhile: Callable[[], object] = import_dataset_packages,
 ) -> None:  # fmt: skip
-    """Run a task for each range of missing members in a pool, and pass each result to the function `accept`.
+    """Run a task in a pool for each range of missing members, and pass each task's result to `accept`.
 
     `meanwhile` is called after the first tasks are submitted. While tasks run, `advance` is called with 0, which
     updates the displayed progress. At most `max_tasks` tasks are queued at a time. An error cancels the remaining
@@ -468,13 +471,13 @@ def _submit_member_ranges(
 
 @dataclass(frozen=True)
 class SharedResultDirectory:
-    """Result directory into which each worker writes its block files, provided that it can access the directory."""
+    """Result directory to which workers write their block files, if they can access the directory."""
 
     path: Path
     token: str
 
     def is_accessible(self) -> bool:
-        """Return whether this process can access the directory, and the run is still active."""
+        """Return whether this process can access the directory and the run has not ended."""
         return (self.path / BLOCKS_DIRECTORY / self.token).exists()
 
 
@@ -482,7 +485,7 @@ def compute_block(
     version: str, study: Study, directory: SharedResultDirectory | None, members: range,
     members_in_progress: MembersInProgress | None = None,
 ) -> bytes | None:  # fmt: skip
-    """Compute a block of members and write its file, or return the file content if the directory is inaccessible."""
+    """Compute a block of members and write its file. Return the file content if the directory is inaccessible."""
     if directory is not None and directory.is_accessible():
         members_in_progress = _create_members_in_progress(study, directory.path)
     content = encode_members(study, members, compute_block_arrays(version, study, members, members_in_progress))
@@ -518,7 +521,7 @@ NUM_PREVIEW_MEMBERS = 4
 
 
 def compute_preview_sums(study: Study) -> MemberSums:
-    """Compute forces and areas, summed over contacts, of the first few members of a study, for a preview of the result.
+    """Compute the forces and areas, summed over contacts, of the first few members, to preview a result.
 
     With the asperity model, which also serves as a preview of a half-space result, the computation takes less than a
     second. Raises a `ValueError` if the contact of these members cannot be computed.

@@ -107,7 +107,7 @@ class StoreError(ValueError):
 
 @dataclass(frozen=True)
 class BlockFile:
-    """Block file, whose name contains the indices of its first and last member and a checksum of its content."""
+    """Block file of a result; its name contains the first and the last member and a checksum of the content."""
 
     first: int
     last: int
@@ -121,7 +121,7 @@ class BlockFile:
 
 @dataclass(frozen=True)
 class StoreInfo:
-    """Description of a result directory: study, number of finished members, size of block files, stiction version."""
+    """Description of a stored result: study, finished members, size of the block files, and stiction version."""
 
     study: Study
     finished: int
@@ -142,7 +142,7 @@ class StoredResult:
 
     @cached_property
     def _block_ranges(self) -> list[tuple[BlockFile, int, int]]:
-        """Block files of the result with the range of members to read from each file: first index, last index + 1.
+        """Block files of the result, each with the range of members to read: first index, and last index + 1.
 
         The ranges do not overlap, even if the blocks do.
         """
@@ -168,7 +168,7 @@ class StoredResult:
 
     @cached_property
     def version(self) -> str:
-        """Version of stiction with which the first block was computed, or the running version if no block is stored."""
+        """Version of stiction that computed the first block; without stored blocks, the version in use."""
         return self.first_block_content.version if self.blocks else __version__
 
     @cached_property
@@ -178,16 +178,16 @@ class StoredResult:
 
     @property
     def nbytes(self) -> int:
-        """Size of the finished members in memory, in bytes."""
+        """Memory (bytes) that the finished members require."""
         return self.num_finished * compute_bytes_per_member(self.study)
 
     def reload(self) -> StoredResult:
-        """Return the stored result with the blocks that its directory contains at present."""
+        """Return the stored result with all block files that are in its directory now."""
         return StoredResult(self.path, self.study, _list_block_files(self.path))
 
     @cached_property
     def first_block_content(self) -> BlockFileContent:
-        """Content of the first block file: members, and the study with which these members were computed.
+        """Content of the first block file: its members, and the study for which they were computed.
 
         This study may differ from the study file, for example in inputs that do not affect the members.
         """
@@ -222,7 +222,7 @@ class StoredResult:
         return self._read_member_range(0, 1)
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-        """Yield the finished members in groups, so that only one group is in memory at a time (see `Result.pieces`)."""
+        """Yield the finished members in groups; only one group is in memory at a time (see `Result.pieces`)."""
         selected_names, count = None if names is None else list(names), self.num_finished
         for piece_start in range(0, count, self._members_per_piece):
             piece = (
@@ -279,7 +279,7 @@ class StoredResult:
         return build_dataset(self.study, member_numbers, arrays, bodies, names).assign_attrs(stiction_version=version)
 
     def _read_arrays(self, block: BlockFile, names: Collection[str]) -> ArraysByName:
-        """Read the arrays in `names` from a block of members; the first call for a block reads and checks all arrays.
+        """Read the named arrays from a block of members. All arrays are read and checked in the first call for a block.
 
         The first call for a block checks the whole block. Later calls read only the arrays in `names`, unless the block
         is in memory.
@@ -297,11 +297,11 @@ class StoredResult:
 
     @cached_property
     def _checked_blocks(self) -> set[BlockFile]:
-        """Block files that were read and checked; their variables can later be read without another check."""
+        """Block files that were read and checked, so that single variables can be read without another check."""
         return set()
 
     def _read_block(self, block: BlockFile) -> BlockFileContent:
-        """Read a block file, compare it with the checksum and the members in the file name, and return the content."""
+        """Read a block file, check it against the checksum and the members in its name, and return the content."""
         with self._convert_read_errors(block):
             file_content = self._read_block_bytes(block)
             if zlib.crc32(file_content) != block.checksum:
@@ -512,7 +512,7 @@ def open_result_to_complete(path: Path) -> StoredResult | None:
 
 
 def is_complete(path: str | Path, study: Study) -> bool:
-    """Return whether a directory contains block files for all members of a study.
+    """Return whether the block files in a directory contain all members of a study.
 
     The block files are not read.
     """
@@ -569,7 +569,7 @@ def _read_study_file(path: Path) -> Study:
 
 
 def create_or_open_result(path: str | Path, study: Study, claim: DirectoryClaim | None = None) -> StoredResult:
-    """Create the result of a study in a directory, or open the result if the directory already contains the study.
+    """Create the result of a study in a directory, or open the result of this study if it is already there.
 
     Stale partial files are removed. The claim of the run, if given, is acquired, so that no other study can use the
     directory. Raises a `StoreError` if the directory cannot be written, contains another study, is in use by a run of
@@ -643,7 +643,7 @@ def remove_result(stored_result: StoredResult, claim: DirectoryClaim) -> None:
 
 
 def _check_resumable(stored_result: StoredResult) -> None:
-    """Raise a `StoreError` if a result cannot be completed with its present study, stiction version and machine."""
+    """Raise a `StoreError` if a result cannot be completed with this study, stiction or NumPy version, or machine."""
     if not stored_result.blocks:
         return
     path, content, num_members = (
@@ -703,7 +703,7 @@ def check_study_file_is_unedited(path: Path) -> None:
 
 
 def _is_old_study_file(path: Path, header: bytes, text: bytes) -> bool:
-    """Return whether a study file was written by an earlier version of stiction that added no checksum.
+    """Return whether a study file was written by an early version of stiction, which stored no checksums.
 
     The version in the file must be the version of the blocks. Such a result can be extended, although a changed value
     in the study file would not be noticed.
@@ -720,7 +720,7 @@ def _is_old_study_file(path: Path, header: bytes, text: bytes) -> bool:
 
 
 def _check_study_file_may_be_replaced(path: Path, study: Study) -> None:
-    """Raise a `StudyMismatchError` if the study file in a directory was edited by hand and must not be replaced."""
+    """Raise a `StudyMismatchError` if the study file in a directory must be kept, because it was edited by hand."""
     try:
         check_study_file_is_unedited(path)
     except EditedStudyError:
@@ -730,7 +730,7 @@ def _check_study_file_may_be_replaced(path: Path, study: Study) -> None:
 
 
 def check_directory_is_unused(path: Path, claim: DirectoryClaim) -> None:
-    """Raise a `StoreError` if another run also uses the result directory that this run has claimed."""
+    """Raise a `StoreError` if another active run uses the result directory of this run."""
     if competitor := claim.find_other_claim():
         raise StoreError(
             f"{printable_path(path)} is in use by another run; wait until that run ends, or choose another directory; "
@@ -815,7 +815,7 @@ _dataset_package_import_lock = threading.Lock()
 
 @dataclass(frozen=True)
 class BlockFileContent:
-    """Content of a block file: arrays of several members, their study, and the stiction version that computed them."""
+    """Content of a block file: arrays of its members, their study, and the stiction version of the computation."""
 
     study: Study
     version: str
@@ -848,7 +848,7 @@ def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, ND
 
 @functools.lru_cache(maxsize=4)
 def _encode_block_of_zeros(study: Study, count: int) -> bytes:
-    """Return the bytes of a template block file with `count` members, in which all numbers are 0.
+    """Return a block file of `count` members, with all numbers 0, as bytes that serve as a template.
 
     Copying a template is much faster than writing a new file, because names and units take longer to write than values.
     """
@@ -862,7 +862,7 @@ def _encode_block_of_zeros(study: Study, count: int) -> bytes:
 
 
 def import_dataset_packages() -> None:
-    """Import in advance the packages that encode blocks, so that no finished block waits for the import.
+    """Import the packages that encode blocks ahead of time, so that no finished block waits for the import.
 
     The import takes 0.3 s, in which other threads compute. Only one thread imports at a time: if two threads import
     xarray, each may need a module that the other has not finished, and one import then fails.
@@ -938,7 +938,7 @@ def _write_attributes(target: h5py.File | h5py.Dataset, attributes: Mapping[Any,
 
 
 def _write_netcdf_properties(file: h5py.File) -> None:
-    """Write the hidden attribute that marks a file as netCDF."""
+    """Write the hidden attribute by which programs recognize a netCDF file."""
     import h5py
 
     text = f"version=2,h5py={h5py.version.version},hdf5={h5py.version.hdf5_version}".encode()
@@ -1006,7 +1006,7 @@ def decode_members(content: bytes) -> BlockFileContent:
 
 
 def check_member_arrays(study: Study, arrays: ArraysByName) -> None:
-    """Raise a `DamagedFileError` if the arrays of members contain impossible numbers.
+    """Raise a `DamagedFileError` if member arrays contain numbers that a computation cannot produce.
 
     Values may be NaN only where a solver can fail, which is at given loads and for the pull-off force. If a solver
     fails at a load, all contact sums are NaN. A contact that carries a load has an area.

@@ -1,1 +1,1 @@
-"""Definition of a study: bodies, contact, inputs with their uncertainty, and options for a pair of measured bodies."""
+"""Definition of a study: bodies, contact, inputs with uncertainty, and options of a measured pair."""

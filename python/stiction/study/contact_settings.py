@@ -149,7 +149,7 @@ DERIVED_ELASTICITY_KEYS = ("effective_modulus", "compliance_share")
 
 
 def _repeat_single_value(value: Any) -> Any:
-    """Return a pair (upper, lower) of values from one value for both bodies, or from a pair."""
+    """Return a pair of values (upper, lower). A single value is used for both bodies."""
     values = tuple(value) if isinstance(value, (list, tuple)) else (value,)
     return 2 * values if len(values) == 1 else values
 
@@ -299,7 +299,7 @@ class ContactSettingsForMeasuredSurfaces(CommonContactSettings):
     @model_validator(mode="before")
     @classmethod
     def _derive_effective_modulus(cls, data: Any) -> Any:
-        """Compute E* and the lower body's compliance fraction from Young's moduli, if the section contains them."""
+        """Compute E* and the lower body's compliance fraction if the `[contact]` section gives Young's moduli."""
         if not isinstance(data, Mapping) or data.get("young") is None:
             return data
         for key in DERIVED_ELASTICITY_KEYS:
@@ -462,7 +462,7 @@ class HalfSpaceSettings(CommonContactSettings):
         return self
 
     def solver_arguments(self) -> dict[str, Any]:
-        """Return the arguments of `half_space` that the section sets: materials, adhesion, boundaries and tilt."""
+        """Return the arguments of `half_space` from this section: elasticity, hardness, adhesion, boundary and tilt."""
         return {
             "effective_modulus": float(self.effective_modulus),
             "boundary": self.boundary,
@@ -497,11 +497,11 @@ class AsperityModelSettings(CommonContactSettings):
     curvature: CurvatureSetting = "convex"
 
     def direction_arguments(self) -> dict[str, Any]:
-        """Return the `ContactModel` arguments that set the direction of motion; measured surfaces need none."""
+        """Return the arguments of `ContactModel` for the direction of motion; none are needed for measured surfaces."""
         return {}
 
     def contact_model(self, sliding: SlidingRule | None = None) -> ContactModel:
-        """Return the contact model of the section for one sliding rule, by default for the section's first rule."""
+        """Return the contact model for one sliding rule; by default, the first rule in the section."""
         return ContactModel(
             effective_modulus=float(self.effective_modulus),
             law=self.law if isinstance(self.law, str) else self.law.law(), detection=self.detection,
@@ -690,7 +690,7 @@ def parse_contact_settings(
 
 
 def _add_loads_outside_range(given_loads: Floats, margin: float, num_loads: int) -> Floats:
-    """Merge given loads (mN) with a geometric series of `num_loads` loads that extends below and above the given loads.
+    """Add a series of `num_loads` loads (mN), from below the smallest to above the largest given load.
 
     The progression begins below the smallest given load and ends above the largest, each by the factor `margin`. Loads
     of the progression that equal a given load are omitted.
@@ -701,7 +701,10 @@ def _add_loads_outside_range(given_loads: Floats, margin: float, num_loads: int)
 
 
 def _insert_intermediate_loads(given_loads: Floats) -> Floats:
-    """Insert loads (mN) until the ratio of successive loads is at most `MAX_AREAL_LOAD_RATIO` (plus 1 %)."""
+    """Insert loads (mN) between the given loads, so that neighbouring loads differ at most by a constant factor.
+
+    The factor is `MAX_AREAL_LOAD_RATIO`, plus 1 %.
+    """
     given_loads = np.unique(given_loads)
     step_counts = np.ceil(np.log(given_loads[1:] / given_loads[:-1]) / np.log(1.01 * MAX_AREAL_LOAD_RATIO)).astype(int)
     loads_between = [
@@ -714,7 +717,9 @@ def _insert_intermediate_loads(given_loads: Floats) -> Floats:
 def choose_load_steps(
     loads: ArrayLike, *, press: str, mechanics: str, max_load: float | None = None, num_smaller: int = 1
 ) -> Floats:
-    """Return the loads (mN) at which a measured pair is computed: the given loads, and loads around and between them.
+    """Return the loads (mN) at which to compute a measured pair: the given loads and additional loads.
+
+    Additional loads are between the given loads and beyond the smallest and the largest of them.
 
     All loads are below `max_load` (mN). For height maps, `num_smaller` loads are below the given loads, and the ratio
     of successive loads is at most `MAX_AREAL_LOAD_RATIO`.

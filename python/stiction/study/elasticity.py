@@ -45,7 +45,7 @@ def determine_elasticity(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
 ) -> PairElasticity:  # fmt: skip
-    """Return the elastic constants of a pair, given E*, or Young's moduli with Poisson's ratios, or two materials.
+    """Return the elastic constants of a pair, from E*, from two materials, or from moduli and Poisson's ratios.
 
     Raises a `ValueError` if none or several of these alternatives are given, or if a value is invalid.
     """
@@ -133,7 +133,10 @@ def _combine_moduli(upper: float, upper_ratio: float, lower: float, lower_ratio:
 
 
 def _combine_materials(upper: str, lower: str) -> PairElasticity:
-    """Return the elastic constants of two materials, and the softer material's hardness (None if it does not yield)."""
+    """Return the elastic constants of a pair of materials, and the hardness of the softer one.
+
+    The hardness is None if the softer material does not yield.
+    """
     upper_body, lower_body = _load_material("upper_material", upper), _load_material("lower_material", lower)
     modulus = _round_to_three_digits(effective_modulus(upper_body, lower_body))
     softer_material = softest_material(upper_body, lower_body) or min(
@@ -212,5 +215,5 @@ def format_material_value(value: MaterialValue, unit: str = "", *, digits: int =
 
 
 def _round_to_three_digits(value: float) -> float:
-    """Round a number to three significant digits, because data of materials are not more accurate."""
+    """Round a number to three significant digits, the accuracy of material data."""
     return float(f"{value:.3g}")

@@ -99,7 +99,7 @@ class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
         return self
 
     def max_wavelength(self) -> float:
-        """Return the longest wavelength (µm) of the generated surfaces: the length scale L of Eq. 1."""
+        """Return the longest wavelength (µm) of the generated surfaces, which is the length scale L in Eq. 1."""
         return float(self.length_scale)  # type: ignore[attr-defined]
 
     def fractal_dimensions(self) -> Floats:

@@ -81,7 +81,7 @@ MAX_CREEP_EXPONENT = 0.5
 
 @dataclass(frozen=True)
 class UncertainInput:
-    """Distribution of an input in core units (µm, GPa, mN): an exact number, or a range with a type of distribution."""
+    """Distribution of an input, in core units (µm, GPa, mN): exact number, or range and type of distribution."""
 
     # Central value of an input: the exact number, or the mean (geometric mean if log-normal) of the two limits.
     value: float
@@ -101,7 +101,7 @@ class UncertainInput:
 
     @property
     def short_text(self) -> str:
-        """Short text of the input: an exact number (up to six digits), or the text of a range as the user wrote it."""
+        """Short text of the input: up to six digits of an exact number, or the range as the user wrote it."""
         return f"{self.value:g}" if self.is_exact else self.text
 
     @property
@@ -233,7 +233,7 @@ def _parse_distribution(name: str, text: str, kind: InputKind) -> UncertainInput
 
 
 def _convert_rockwell_hardness(low: float, high: float, text: str) -> UncertainInput:
-    """Convert a range of hardness from HRC to a distribution (GPa), widened by the error of the conversion."""
+    """Convert a range of Rockwell hardness (HRC) to a distribution in GPa, widened by the conversion error."""
     half_width = math.hypot(0.5 * math.log(high / low), ROCKWELL_CONVERSION_ERROR)
     value = math.sqrt(low * high)
     return UncertainInput(value, value * math.exp(-half_width), value * math.exp(half_width), "log-normal", text)
@@ -290,7 +290,7 @@ def _parse_value(name: str, source: Any, kind: str) -> float:
 
 
 def _complete_units(first_text: str, last_text: str) -> tuple[str, str]:
-    """Copy the unit of one limit of a range to the other limit, if the other limit has no unit.
+    """Copy the unit of the last limit of a range to the first limit if the first limit has no unit.
 
     The unit of the first limit is copied to the last limit only if it is HV or HRC.
     """
@@ -313,7 +313,7 @@ SOBOL_GENERATORS: tuple[tuple[int, tuple[int, ...]], ...] = (
 
 
 def _compute_sobol_direction_bits(polynomial: int, initial_numbers: Sequence[int]) -> NDArray[np.uint32]:
-    """Compute the direction numbers of one dimension of a Sobol sequence as arrays of bits."""
+    """Compute the direction numbers for one dimension of a Sobol sequence, as an array of their bits."""
     direction_numbers, degree = list(initial_numbers), polynomial.bit_length() - 1
     while len(direction_numbers) < SOBOL_BITS:
         direction_number = direction_numbers[-degree]
@@ -366,7 +366,9 @@ def generate_stratified_points(dimensions: int) -> Floats:
 
 
 def select_by_weight(cumulative_weights: Floats, count: int, offset: float) -> NDArray[np.intp]:
-    """Return the indices of `count` samples, selected in proportion to the weights (systematic resampling).
+    """Select `count` samples with probabilities proportional to their weights (systematic resampling).
+
+    Returns the indices of the selected samples.
 
     `offset` is a number from 0 to 1 that shifts the selection.
     """
@@ -377,13 +379,13 @@ def select_by_weight(cumulative_weights: Floats, count: int, offset: float) -> N
 
 
 def compute_effective_sample_size(log_weight: Floats) -> float:
-    """Return the effective number of weighted samples, (Σw)²/Σw², from the logarithms of the weights w."""
+    """Return the effective sample size (Σw)²/Σw² of weighted samples, from the logarithms of the weights w."""
     weight = np.exp(log_weight - log_weight.max())
     return float(weight.sum() ** 2 / (weight**2).sum())
 
 
 def draw_input_samples(inputs: Mapping[str, UncertainInput]) -> dict[str, Floats]:
-    """Draw `NUM_INPUT_SAMPLES` samples of each input, independently for different inputs, and return them by name."""
+    """Draw `NUM_INPUT_SAMPLES` independent samples of each input, and return them keyed by input name."""
     points = generate_stratified_points(len(inputs))
     return {name: value.quantile(points[:, column]) for column, (name, value) in enumerate(inputs.items())}
 
@@ -426,7 +428,7 @@ def parse_study_input(name: str, source: Any) -> UncertainInput:
 
 
 def _parse_slip_line_ratio(source: str) -> UncertainInput:
-    """Parse "slip-line" or, with the ratio H/k of hardness to shear strength, "slip-line 5.14..5.69"."""
+    """Parse the word "slip-line" with an optional ratio H/k of hardness to shear strength, as in "slip-line 5.14"."""
     text = " ".join(source.split())
     ratio_text = text.removeprefix(SLIP_LINE_TEXT).strip()
     if not ratio_text:
@@ -443,7 +445,7 @@ def _parse_slip_line_ratio(source: str) -> UncertainInput:
 
 
 class InputValue(Quantity):
-    """Input of a study: a number, its probability distribution, and the text that specifies both.
+    """Input of a study: central value, probability distribution, and the text from which both were parsed.
 
     The number is the central value in core units, with which contacts are computed. For a range, it is the mean of both
     limits, rounded to four digits. The mean is geometric for a log-normal distribution, and arithmetic otherwise.
@@ -551,7 +553,7 @@ def format_input_value(value: InputValue | None) -> Any:
 
 
 def _parse_single_value(name: str, values: Any, parse_list: Callable[[Any], Any]) -> Any:
-    """Parse mu0 or tau0 to a tuple, which contains exact numbers or a single uncertain number."""
+    """Parse mu0 or tau0 as a tuple of exact numbers, or as a tuple of one uncertain number."""
     items = list(values) if isinstance(values, (list, tuple)) else [values]
     if any(isinstance(item, InputValue) or (isinstance(item, str) and _is_uncertain(item)) for item in items):
         if len(items) > 1:

@@ -67,7 +67,7 @@ class StudyInput:
 
 @dataclass(frozen=True)
 class Inputs:
-    """All inputs of a study by name, such as mu0, tau0, effective modulus, hardness and creep exponent.
+    """All inputs of a study, keyed by name: mu0, tau0, effective modulus, hardness, creep exponent and others.
 
     The names are "mu0", "tau0", "effective_modulus", "hardness", "junction_growth", "yield_exponent", "area_loss",
     "creep", "size_effect" if the depth of the indentation is given, and, if Young's moduli and Poisson's ratios are
@@ -133,7 +133,7 @@ class Inputs:
 
     @property
     def strength(self) -> InterfaceStrength | None:
-        """Joint distribution of mu0 and tau0 that the interface of the study defines, or None.
+        """Joint distribution of mu0 and tau0 from the study's interface; None if the study has no interface.
 
         The value is None if the study has no interface, or if the interface file is missing or changed.
         """
@@ -150,14 +150,14 @@ class Inputs:
         return FrictionLaw(mu0, tau0, growth.central, growth.estimate.uses_slip_lines)
 
     def central(self, name: str) -> float:
-        """Return the central value of an input (GPa, or dimensionless).
+        """Return the central value of the named input, in core units (GPa, or µm for a length).
 
         Contacts are computed with this value.
         """
         return self.entries[name].central
 
     def quantile(self, name: str, probability: ArrayLike) -> Floats:
-        """Return quantiles of an input (in GPa or dimensionless) at given probabilities."""
+        """Return quantiles of the named input at given probabilities, in core units (GPa, or µm for a length)."""
         return self.entries[name].estimate.quantile(probability)
 
     def relative_modulus(self, samples: Mapping[str, Floats]) -> Floats | float:
@@ -214,7 +214,7 @@ def _build_inputs(
 
 
 def _build_hardness_label(hardness: UncertainInput, materials: tuple[Material, ...]) -> str:
-    """Return the label of the hardness, which names a material only if this material certainly has this hardness."""
+    """Return the label of the hardness; the label names a material only if the hardness certainly belongs to it."""
     label, softer_material = _LABELS["hardness"], softest_material(*materials)
     if softer_material is None:
         return label
@@ -223,7 +223,7 @@ def _build_hardness_label(hardness: UncertainInput, materials: tuple[Material, .
 
 
 def find_material_of_hardness(hardness: UncertainInput, materials: tuple[Material, ...]) -> Material | None:
-    """Return the material that certainly has a given hardness, or None.
+    """Return the material to which a given hardness certainly belongs, or None if the material is uncertain.
 
     A measured hardness may belong to the body that the table of materials lists as the harder one.
     """
@@ -250,7 +250,7 @@ def find_materials(study: Study) -> tuple[Material, ...]:
 
 
 def find_interface(study: Study) -> InterfaceStrength | None:
-    """Return the joint distribution of mu0 and tau0 that the interface of a study defines, or None.
+    """Return the joint distribution of mu0 and tau0 from the study's interface, or None without an interface.
 
     The result is None if the study names no interface, or if the interface file is missing or changed.
     """

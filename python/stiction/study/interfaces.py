@@ -119,7 +119,7 @@ _SCORE_COLUMN_PREFIX = "score of "
 
 
 def shared_input_name(name: str, estimate: UncertainInput, pair_checksum: str) -> str:
-    """Return an input name that is equal for all tests and pairs in which the input has the same distribution.
+    """Return a name for an input such that equal names mean equal inputs in different tests and pairs.
 
     Small contacts lose a larger fraction of their area than large ones, so another pair has another area loss.
     """
@@ -128,7 +128,7 @@ def shared_input_name(name: str, estimate: UncertainInput, pair_checksum: str) -
 
 
 def area_error_name(pair_checksum: str) -> str:
-    """Return the name of the relative error of a pair's true area; the error is the same in all tests of the pair."""
+    """Return the name of the relative error of a pair's true area, which all tests of this pair have in common."""
     return f"area of {pair_checksum}"
 
 
@@ -138,7 +138,7 @@ ValueWithLimits = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class StrengthFit:
-    """Fit of mu0 and tau0 to friction tests under one sliding rule: samples of both parameters, and fit quality."""
+    """Fit of mu0 and tau0 to friction tests under one sliding rule: samples of both, and the quality of the fit."""
 
     sliding: SlidingRule
     # Chi-squared of the best fit, which has no meaning if the errors of the tests were not given.
@@ -181,7 +181,7 @@ class StrengthFit:
 
 @dataclass(frozen=True)
 class InterfaceStrength:
-    """Strength of an interface: joint distribution of its molecular friction coefficient mu0 and shear strength tau0.
+    """Strength of an interface: joint distribution of molecular friction coefficient mu0 and shear strength tau0.
 
     Attributes
     ----------
@@ -328,7 +328,7 @@ class InterfaceStrength:
         return cls((fit,), math.nan, math.nan, separated=True, about={"name": str(name_or_path), **description})
 
     def __repr__(self) -> str:
-        """Return a text that lists mu0 + tau0 A/F and, if the tests distinguish mu0 from tau0, also mu0 and tau0."""
+        """Return a text with mu0 + tau0 A/F. If the tests separate mu0 from tau0, it also lists mu0 and tau0."""
         labelled_intervals = [("mu0 + tau0 A/F", self.identified, "")]
         if self.separated:
             tau0, low, high = (1e3 * value for value in self.tau0)
@@ -341,7 +341,7 @@ class InterfaceStrength:
         return "\n".join(["Interface", *rows, *(f"  {key:<14}  {text}" for key, text in self.about.items())])
 
     def with_caveats(self, entry: str, texts: Sequence[str]) -> Self:
-        """Return a copy of the interface with caveats added to the file-header entry for faults or for cautions.
+        """Return a copy of the interface with caveats added to the faults or to the cautions in its file header.
 
         Interface files contain the caveats, so that they also apply to the coefficients of pairs with this interface.
         """
@@ -350,7 +350,7 @@ class InterfaceStrength:
 
     @property
     def has_unknown_range(self) -> bool:
-        """True if the publication gives one number for mu0 and one for tau0, without ranges."""
+        """True if the source publishes a single number for mu0 and a single number for tau0, without ranges."""
         return bool(np.ptp(self.fits[0].mu0) == np.ptp(self.fits[0].tau0) == 0)
 
     @property
@@ -367,7 +367,7 @@ class InterfaceStrength:
 
     @property
     def identified(self) -> ValueWithLimits:
-        """The coefficient mu0 + tau0 A/F that the tests determine, with its 95 % interval.
+        """Sum mu0 + tau0 A/F at the A/F of the friction tests, with its 95 % interval. The tests determine this sum.
 
         A/F is the true area per load of the tests. The value is NaN if A/F is unknown.
         """
@@ -400,7 +400,7 @@ class InterfaceStrength:
 
     @cached_property
     def sampled_fits(self) -> tuple[tuple[StrengthFit, float], ...]:
-        """Fits of the interface to the tests, each with the coverage (probability) of its interval.
+        """Fits of the interface to the tests, each with the probability that its interval must cover.
 
         Intervals of the interface cover the intervals of all these fits. The coverage is 95 % for the first fit. For
         the fits with mu0 = 0 and with tau0 = 0, the coverage decreases with the probability of these values; fits that
@@ -414,13 +414,13 @@ class InterfaceStrength:
 
     @property
     def possible_zeros(self) -> tuple[str, ...]:
-        """Names of the parameters (mu0, tau0) that the tests allow to be 0; empty if only one parameter was fitted."""
+        """Names of the parameters (mu0, tau0) that may be 0 according to the tests; empty for a one-parameter fit."""
         fit = self.fits[0]
         return tuple(name for name in fit.fits_at_bounds if compute_coverage_at_bound(getattr(fit, name)) > 0)
 
     @property
     def samples_at_bounds(self) -> tuple[tuple[Floats, Floats], ...]:
-        """Samples of mu0 and tau0 (GPa) from those fits with mu0 = 0 or with tau0 = 0 that the tests do not exclude."""
+        """Samples of mu0 and tau0 (GPa) from each fit with mu0 = 0 or tau0 = 0 that the tests do not exclude."""
         return tuple((fit.mu0, fit.tau0) for fit, _ in self.sampled_fits[1:])
 
     def interval_of(self, coefficient: Callable[[Floats, Floats], Floats]) -> ValueWithLimits:
@@ -440,7 +440,7 @@ class InterfaceStrength:
 
     @property
     def excluded(self) -> tuple[SlidingRule, ...]:
-        """Sliding rules that the friction tests contradict; empty unless the tests agree with at least one rule."""
+        """Sliding rules that the friction tests contradict. Empty if the tests agree with no rule."""
         accepted_rules = [fit.sliding for fit in self.fits if fit.probability > ERROR_SCALING_P_VALUE_LIMIT]
         return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUSION_P_VALUE_LIMIT and accepted_rules)
 
@@ -457,14 +457,14 @@ class InterfaceStrength:
 
     @property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth α of the tests, or None if α differs between tests or has no effect on the tests."""
+        """Junction growth α in the tests; None if α differs between tests or does not affect them."""
         if JUNCTION_GROWTH_HEADER_ENTRY not in self.about:
             return None
         median = float(f"{np.median(self.fits[0].junction_growth):.4g}")
         return replace(parse_study_input("junction_growth", self.about[JUNCTION_GROWTH_HEADER_ENTRY]), value=median)
 
     def has_equal_junction_growth(self, growth: UncertainInput | None) -> bool:
-        """Return whether a given distribution of the junction growth α equals the distribution in the friction tests.
+        """Return whether a distribution of the junction growth α equals the one assumed for the friction tests.
 
         The value None of `growth` stands for α = 0.
         """
@@ -487,7 +487,9 @@ def has_growth_of_tests(growth: UncertainInput | None, test_growth: UncertainInp
 
 
 def compute_coverage_at_bound(values: Floats) -> float:
-    """Return the interval coverage for a fit with mu0 = 0 or tau0 = 0, from samples of that parameter if fitted.
+    """Return the coverage of the interval for a fit with mu0 = 0 (or tau0 = 0), from samples of the free fit.
+
+    The samples are those of mu0 (or tau0) in a fit in which this parameter is free.
 
     A normal density falls to exp(-z²/2) of its maximum at z standard deviations. At 0, where the density falls to
     exp(-d²/2), the part of the 95 % region with z² < 1.96² - d² remains. This probability is 95 % if the density at 0
@@ -520,7 +522,7 @@ def find_tail_probabilities(coverage: float = INTERVAL_COVERAGE) -> Floats:
 def compute_credible_interval(
     values: Floats, bound: float = -math.inf, coverage: float = INTERVAL_COVERAGE
 ) -> ValueWithLimits:
-    """Return the median of samples and the limits of their credible interval, by default with 95 % of the samples.
+    """Return the median of samples and a credible interval that contains 95 % of the samples by default.
 
     The interval has equal tails, unless the samples include the bound. Then the interval starts at the bound, and only
     the fraction of the lower tail that lies outside a region of highest density is left.
@@ -534,7 +536,7 @@ def compute_credible_interval(
 
 
 def cover_credible_intervals(samples: Sequence[tuple[Floats, float]]) -> ValueWithLimits:
-    """Return the median of the first array of samples, and an interval that includes the interval of each array.
+    """Return the median of the first array, and an interval that contains the credible intervals of all arrays.
 
     Each array is given with the probability of its interval.
     """
@@ -548,7 +550,7 @@ def cover_credible_intervals(samples: Sequence[tuple[Floats, float]]) -> ValueWi
 
 
 def write_interface(interface: InterfaceStrength, path: str | Path, about: Mapping[str, str] | None = None) -> None:
-    """Write the strength of an interface to a text file: a header, and one joint sample of mu0 and tau0 per row.
+    """Write the strength of an interface to a text file: a header, and one row per sample of (mu0, tau0).
 
     Parameters
     ----------
@@ -642,7 +644,7 @@ def _build_strength_fit(sliding: Any, mu0: Any, tau0: Any, *other_samples: Any) 
 
 
 def _estimate_fits_at_bounds(fit: StrengthFit) -> dict[str, StrengthFit]:
-    """Estimate fits with mu0 = 0 and with tau0 = 0, for an interface file from which these fits are missing.
+    """Estimate the fits with mu0 = 0 and with tau0 = 0 that an older interface file does not contain.
 
     The other coefficient is shifted so that the sum mu0 + tau0 A/F at the A/F of the tests does not change.
     """
@@ -655,7 +657,10 @@ def _estimate_fits_at_bounds(fit: StrengthFit) -> dict[str, StrengthFit]:
 
 
 def _compute_normal_scores_of_old_interface_file(fit: StrengthFit, header: Mapping[str, str]) -> dict[str, Floats]:
-    """Compute normal scores of hardness and junction growth for an old interface file, which contains no scores."""
+    """Compute normal scores of hardness and junction growth for an interface file of an old version.
+
+    Such files contain the samples without scores.
+    """
     from scipy.special import ndtr
 
     columns = {
@@ -703,7 +708,7 @@ def _published_interfaces() -> dict[str, dict[str, str]]:
 
 
 def read_interface_entries(path: str | Path) -> dict[str, dict[str, str]]:
-    """Return kind, mu0, tau0 and other entries of one interface file, or of each file in a directory, by file name.
+    """Return the entries (kind, mu0, tau0, ...) of an interface file or of a directory's files, keyed by file name.
 
     Files of other kinds in the directory are ignored.
     """
@@ -778,7 +783,7 @@ class InterfaceSettings(SettingsSection):
         })  # fmt: skip
 
     def find_current_entry(self) -> InterfaceSettings | None:
-        """Return the study entry of the present interface file, or None if it is unreadable or its mu0 or tau0 changed.
+        """Return the study entry for the current interface file; None if it is unreadable or has other mu0 or tau0.
 
         A changed file has other central values of mu0 or tau0. The ranges are not compared, because the rule for
         intervals of a fit depends on the version of the program that stored the entry.
@@ -801,7 +806,7 @@ class InterfaceSettings(SettingsSection):
 
     @property
     def caveats_of_missing_file(self) -> dict[str, str] | None:
-        """Stored caveats of the friction tests, by header entry, if the interface file is missing; otherwise None.
+        """Stored caveats of the friction tests if the interface file is missing; otherwise None.
 
         None also if no caveats are stored. The caveats are unknown if the file has changed, or if an older
         version of the program stored this section.

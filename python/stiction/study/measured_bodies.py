@@ -1,4 +1,4 @@
-"""Measured bodies of a study: keys of the study file, and the reading, preparation and checksums of scan files."""
+"""Measured bodies of a study: their keys in a study file, and the reading and preparation of scan files."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def _parse_crop(value: object) -> tuple[Quantity, ...] | None:
 
 
 def _build_one_or_list_validator(read: Callable[[object], Any], max_count: int = 2) -> PlainValidator:
-    """Build a pydantic validator for None, a single value, or a list of 2 to `max_count` values."""
+    """Build a pydantic validator that accepts None, a single value, or a list of 2 to `max_count` values."""
 
     def parse_one_or_list(value: object) -> Any:
         if not isinstance(value, (list, tuple)):
@@ -313,7 +313,7 @@ class MeasuredBodySettings(SettingsSection):
         return _load_scanned_body(self._identify_content(checksum))
 
     def _identify_content(self, checksum: str) -> _ScanFile:
-        """Return the cache key of the file content, which consists of file name, checksum and reading options."""
+        """Return the cache key of the file: file name, checksum and reading options."""
         unrelated_keys = {"others": None, "height_factor": 1.0, "max_cut_off": None, "texture": None}
         return _ScanFile(
             self.model_copy(update={"file": Path(self.file).name, "sha256": checksum} | unrelated_keys), Path(self.file)
@@ -349,25 +349,28 @@ class MeasuredBodySettings(SettingsSection):
         return self._apply_to_scans(mask_outliers)
 
     def with_tip_correction(self, factor: float) -> MeasuredBodySettings:
-        """Return a copy of the body with `factor` times the tip correction in all scans whose tip radius is known."""
+        """Return a copy of the body whose scans are sharpened by `factor` times the tip correction.
+
+        Scans with an unknown tip radius are unchanged.
+        """
         return self._apply_to_scans(
             lambda scan: scan if scan.tip is None else scan.model_copy(update={"tip_correction": factor})
         )
 
     @property
     def bodies(self) -> list[Profile | Surface]:
-        """Profiles and height maps that the scans of the body contain.
+        """Profiles and height maps from the scans of the body; spectra are omitted.
 
         Spectra are omitted.
         """
         return [body for scan in self.scans if isinstance(body := scan.read(), (Profile, Surface))]
 
     def select_cut_off_of_scan(self, wavelength: float) -> float:
-        """Return the cutoff (µm) of this scan: the pair's cutoff or, if smaller, the maximum cutoff of the scan."""
+        """Return the smaller of two cutoffs (µm): the cutoff of the pair, and the maximum cutoff of this scan."""
         return wavelength if self.max_cut_off is None else min(wavelength, float(self.max_cut_off))
 
     def find_interpolated_fraction_and_gap(self) -> Floats:
-        """Return the fraction of interpolated points, and the size of the largest gap between measured points.
+        """Return the fraction of interpolated points, and the size of the largest region of missing points.
 
         The size is an area (µm²) for height maps, and a length (µm) for profiles.
         """
@@ -481,7 +484,7 @@ class _ScanFile:
 
 @functools.lru_cache(maxsize=16)
 def _load_scanned_body(file: _ScanFile) -> MeasuredBody:
-    """Read the body from a scan file, or return the cached body of an equal file with equal reading options."""
+    """Read the body from a scan file, or return a cached body with the same file content and reading options."""
     settings = file.settings
     if is_spectrum_file(file.path):
         for name in ("unit", "spacing", "channel", "columns", "crop"):
@@ -494,7 +497,7 @@ def _load_scanned_body(file: _ScanFile) -> MeasuredBody:
 
 
 def _correct_for_tip(file: MeasuredBodySettings, body: MeasuredBody) -> MeasuredBody:
-    """Sharpen a scan by the multiple of the tip correction that the study specifies."""
+    """Correct a scan for the radius of its tip, with the correction multiplied by the factor in the study."""
     if file.tip is None or file.tip_correction is None or isinstance(body, JoinedSpectrum):
         return body
     return sharpened(body, float(file.tip), file.tip_correction)

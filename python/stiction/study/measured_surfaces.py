@@ -1,4 +1,4 @@
-"""Section `[surfaces]` of a study of measured bodies: files, reading options and members."""
+"""Section `[surfaces]` of a study of measured bodies: scan files, reading options, and pairs to compute."""
 
 from __future__ import annotations
 
@@ -93,14 +93,14 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
         return float(self.cell_coordinates()["cut_off"][0])
 
     def get_scan_cut_offs(self, wavelength: float) -> ScanCutoffs:
-        """Return the cutoffs (µm) of all scans of both bodies: the given cutoff or, if smaller, the scan's maximum."""
+        """Return the cutoffs (µm) of all scans of both bodies; a scan's maximum cutoff replaces larger cutoffs."""
         upper, lower = (
             tuple(scan.select_cut_off_of_scan(wavelength) for scan in getattr(self, side).scans) for side in SIDES
         )
         return upper, lower
 
     def with_changed_files(self, change: Callable[[MeasuredBodySettings, str], MeasuredBodySettings]) -> Self:
-        """Return a copy of the section in which `change(body, side)` replaces the upper and the lower body."""
+        """Return a copy of the section with both bodies replaced by `change(body, side)`."""
         return self.model_copy(update={side: change(getattr(self, side), side) for side in SIDES})
 
     @property
@@ -114,7 +114,7 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
         return len(self.upper.scans), len(self.lower.scans)
 
     def scan_indices_of_members(self, members: Any) -> tuple[Any, Any]:
-        """Return the indices of the upper and of the lower scan from which each member is cut.
+        """Return two indices for each member: those of the upper and the lower scan from which it is cut.
 
         Successive members use all combinations of upper and lower scans in turn.
         """
@@ -125,7 +125,7 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> MemberSource:
-        """Return a source of members that are cut from two scans; the scans are low-pass filtered at `cut_offs` (µm).
+        """Return a source of members, which are cut from two scans after low-pass filtering at `cut_offs` (µm).
 
         Raises a `ValueError` if the scans form no members.
         """
@@ -134,7 +134,7 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
     def filter_scans(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair
     ) -> Iterator[Profile | Surface]:
-        """Yield the upper and the lower scan, low-pass filtered at the cutoff of each scan (µm, 0 for no filter)."""
+        """Yield the upper and the lower scan, each low-pass filtered at its cutoff (µm; 0 means no filter)."""
         for scan, wavelength in zip(scans, cut_offs, strict=True):
             if isinstance(scan, JoinedSpectrum):
                 press = type(self).model_fields["press"].default
@@ -207,7 +207,7 @@ class MeasuredLineSettings(CommonMeasuredSurfaceSettings):
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> LineMemberSource:
-        """Return the source of ensemble members: pairs of profiles, scan lines or surrogates, at several positions."""
+        """Return the source of members: pairs of profiles, of scan lines or of surrogates, at several positions."""
         upper, lower = self.filter_scans(scans, cut_offs)
         level: ProfileTrend | None = None if self.level == "none" else self.level
         positions = None if self.positions is None else tuple(map(float, self.positions))
@@ -264,7 +264,7 @@ class MeasuredMapSettings(CommonMeasuredSurfaceSettings):
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> MapMemberSource | GapMemberSource:
-        """Return the source of ensemble members: surrogates, pairs of map pieces, or a measured gap as only member."""
+        """Return the source of members: pairs of surrogates or of map pieces, or one member from a measured gap."""
         upper, lower = self.filter_scans(scans, cut_offs)
         if not (isinstance(upper, Surface) and isinstance(lower, Surface)):
             raise ValueError('surfaces.press must be "lines" or "surrogates" for a profile, got "areas"')

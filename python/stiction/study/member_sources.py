@@ -31,7 +31,7 @@ from stiction.surfaces.surface import Surface
 
 @dataclass(frozen=True)
 class EnsembleMember:
-    """Member of a study: two bodies, their relative shift (µm), the line number, and whether they are surrogates."""
+    """Member of a study: two bodies, their relative shift (µm), line number, and whether the bodies are surrogates."""
 
     pair: BodyPair
     x: float
@@ -82,7 +82,7 @@ of array axes.
 
 @dataclass(frozen=True)
 class BodyAttributes:
-    """Nominal area, grid, processing history and other attributes of the measured bodies, as stored in a result.
+    """Nominal area, grid, processing history and other attributes of measured bodies, as stored in a result.
 
     Both are empty for generated bodies.
     """
@@ -109,7 +109,7 @@ class MemberSource(Protocol):
         """
 
     def find_shared_properties(self) -> SharedMemberProperties:
-        """Return the bodies, the area and the grid that all members have in common."""
+        """Return what all members have in common: bodies, nominal area and grid."""
 
 
 MAX_CACHED_LINE_PAIRS = 4
@@ -158,14 +158,14 @@ class LineMemberSource:
 
     @cached_property
     def _get_pair(self) -> Callable[[int], tuple[Profile, Profile]]:
-        """Function that returns the pair of lines with a given number, from a cache.
+        """Cached function that returns the pair of lines with a given number.
 
         Several members use each pair.
         """
         return functools.lru_cache(MAX_CACHED_LINE_PAIRS)(self.pairs.pair)
 
     def _member_at(self, slider: Profile, counterface: Profile, steps: int, line: int) -> EnsembleMember:
-        """Return the member whose slider starts `steps` grid points after the start of the counterface."""
+        """Return the member whose slider is shifted by `steps` grid points from the start of the counterface."""
         offset = steps * slider.spacing
         pair = slider, piece_below_slider(counterface, offset, slider)
         return EnsembleMember(
@@ -173,7 +173,7 @@ class LineMemberSource:
         )
 
     def find_shared_properties(self) -> SharedMemberProperties:
-        """Return the profiles, the area and the grid that all members have in common."""
+        """Return what all members have in common: profiles, nominal area and grid."""
         slider, counterface = self.pairs.pair(0)
         return _find_properties_shared_by_line_members(slider, counterface, len(slider) / len(counterface), self.scans)
 
@@ -181,7 +181,7 @@ class LineMemberSource:
 def _find_properties_shared_by_line_members(
     slider: Profile, counterface: Profile, used_fraction: float, scans: tuple[Any, Any]
 ) -> SharedMemberProperties:
-    """Return the profiles, the area and the grid that all members of a study of profiles have in common.
+    """Return what all members of a study of profiles have in common: profiles, nominal area and grid.
 
     `used_fraction` is the fraction of the upper scan that the slider covers.
     """
@@ -195,7 +195,7 @@ def build_map_pairs(
     upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, rotation: float = 0.0,
     shifts: tuple[tuple[float, float], ...] | None = None,
 ) -> MapPairs:  # fmt: skip
-    """Level two height maps, flip the upper map, and return a source of pairs of overlapping map pieces.
+    """Level two height maps, flip the upper one, and return a source of members: pairs of overlapping pieces.
 
     The upper map is also rotated by an angle in degrees.
     """
@@ -233,7 +233,7 @@ class MapMemberSource:
         return EnsembleMember(pairs.pair(shift_index), *pairs.map_shift(shift_index))
 
     def find_shared_properties(self) -> SharedMemberProperties:
-        """Return the maps, the area and the grid that all members have in common."""
+        """Return what all members have in common: height maps, nominal area and grid."""
         pairs = self.pairs
         scans: Sequence[Any] = self.scans
         # The shortest wavelength of a scan is two grid spacings.
@@ -256,13 +256,13 @@ class GapMemberSource:
     rough: Surface
 
     def member(self, index: int) -> EnsembleMember:
-        """Return the only member: the flat face and the rough face."""
+        """Return the single member of this source: a flat face and a rough face."""
         if index > 0:
             raise ValueError(f"member of a gap must be 0, because a gap has a single relative position, got {index}")
         return EnsembleMember((self.flat, self.rough), 0.0, 0.0)
 
     def find_shared_properties(self) -> SharedMemberProperties:
-        """Return the faces, the area and the grid of the only member."""
+        """Return the faces, the nominal area and the grid of the source's only member."""
         faces = self.flat, self.rough
         return SharedMemberProperties(
             *faces, float(np.prod(self.rough.extent)), self.rough.heights.shape, self.rough.spacing, [1.0, 1.0], faces

@@ -44,7 +44,7 @@ TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}
 
 
 def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
-    """Generate random phases (rad) of one body's fractal surface, as an array of shape (directions, frequencies).
+    """Generate random phases (rad) for the fractal surface of one body, with shape (directions, frequencies).
 
     The surface is a Weierstrass-Mandelbrot surface (Eq. 1 of the paper).
     """
@@ -56,7 +56,7 @@ def generate_phases(study: Study, repetition: int, side: Side) -> Floats:
 
 
 def _get_weierstrass_arguments(surfaces: Any) -> dict[str, Any]:
-    """Return the parameters of Weierstrass-Mandelbrot surfaces: length scale, γ, definition of D, and band limit.
+    """Return the parameters of Weierstrass-Mandelbrot surfaces: length scale, γ, convention for D, band limit.
 
     The surfaces, profiles or height maps, are defined by Eq. 1 of the paper.
     """
@@ -67,7 +67,7 @@ def _get_weierstrass_arguments(surfaces: Any) -> dict[str, Any]:
 
 
 def fill_profile_family(study: Study, heights: Floats, dimensions: Floats, repetition: int, side: Side) -> Floats:
-    """Write profiles of one body to the rows of the array `heights`, one profile per fractal dimension.
+    """Write one profile of a body per fractal dimension to the rows of the array `heights`.
 
     The heights are not scaled to an amplitude. Returns an array (k, 3): mean, minimum and maximum of each profile.
     """
@@ -142,7 +142,7 @@ def scale_surface_to_amplitude(study: Study, surface: Surface, amplitude: float)
 def pair_of(
     study: Study, repetition: int, *, fractal_dimension: float, amplitude: float
 ) -> tuple[Profile, Profile] | tuple[Surface, Surface]:
-    """Generate the two surfaces of one repetition of a study, which `run` presses against each other.
+    """Generate the two surfaces that `run` brings into contact in one repetition of a study.
 
     Parameters
     ----------
@@ -203,7 +203,7 @@ def _get_grid_properties(body: Any) -> tuple[Any, ...]:
 
 
 class PreparedBodies:
-    """Measured bodies of a study, read from their files, from which the members of the study are made.
+    """Measured bodies that are read from files and provide the members of a study.
 
     Each file is read only once. The constructor raises a `ValueError` if a file has changed.
     """
@@ -225,7 +225,7 @@ class PreparedBodies:
         self._locks: dict[tuple[float, int, int], threading.Lock] = {}
 
     def members(self, wavelength: float, upper: int = 0, lower: int = 0) -> MemberSource:
-        """Return an object that cuts surface pairs from two scans, which are low-pass filtered at a cutoff (µm).
+        """Return an object that provides the surface pairs of two scans, which are low-pass filtered at a cutoff (µm).
 
         A cutoff of 0 stands for no filter. If several threads need the same members, one thread filters the scans, and
         the others wait. Raises a `ValueError` if the scans form no members.
@@ -242,7 +242,7 @@ class PreparedBodies:
         return surfaces.build_member_source(scan_pair, (upper_cutoff, lower_cutoff), self._seed)
 
     def member(self, index: int, wavelength: float) -> EnsembleMember:
-        """Return the surface pair with a given index, cut from scans low-pass filtered at a cutoff (µm; 0: none)."""
+        """Return the surface pair `index`; its scans are low-pass filtered at `wavelength` (µm, 0 for no filter)."""
         surfaces = self._surfaces
         # Members of each scan pair are numbered from 0. Surrogates keep their number in the study, which is their seed.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
@@ -251,7 +251,7 @@ class PreparedBodies:
 
     @cached_property
     def attributes(self) -> BodyAttributes:
-        """Attributes of a result that describe the bodies, such as nominal area, processing history and grid."""
+        """Attributes that a result stores about the bodies, such as nominal area, processing history and grid."""
         properties = self.members(self._surfaces.reported_cut_off()).find_shared_properties()
         attributes: dict[str, Any] = {
             side: "\n".join(body.history)
@@ -276,7 +276,7 @@ class PreparedBodies:
 
     @cached_property
     def _pressed_bodies(self) -> list[Profile | Surface]:
-        """List of the first filtered scan of each body; the list is empty for a measured gap, or for spectra.
+        """First scan of each body, low-pass filtered; the list is empty for a measured gap, or for spectra.
 
         The members of a study are cut from these and any further scans.
         """
@@ -287,7 +287,7 @@ class PreparedBodies:
 
     @cached_property
     def _lay_attributes(self) -> dict[str, Any]:
-        """Attributes of a result: lay ratio of each map, that is, rms slope across the lay over rms slope along it.
+        """Lay ratio of each map (rms slope across the lay over rms slope along it), as attributes of a result.
 
         Empty unless both maps have a lay.
         """
@@ -316,7 +316,7 @@ class PreparedBodies:
         }
 
     def _find_measured_fraction(self) -> float:
-        """Return the fraction of the nominal area with data of both bodies, as a mean over the first surface pairs."""
+        """Return the fraction of the nominal area where both bodies have data (mean over the first surface pairs)."""
         if all(getattr(scan, "missing", None) is None for scans in self._scans_by_side for scan in scans):
             return 1.0
         measured_fractions = []
@@ -374,5 +374,5 @@ def check_scans_provide_all_members(study: Study) -> None:
 
 
 def find_body_attributes(study: Study) -> BodyAttributes:
-    """Return what a result stores about measured bodies, keyed by attribute name; empty for generated bodies."""
+    """Return the attributes that a result stores about measured bodies; none for generated bodies."""
     return read_measured_bodies(study).attributes if study.is_measured else BodyAttributes()

@@ -269,7 +269,7 @@ def has_no_spectrum(pair: PairProperties) -> bool:
 
 @make_condition("is for surfaces and surrogates; two profiles are one pair")
 def has_several_line_pairs(pair: PairProperties) -> bool:
-    """Return whether the pair provides several pairs of lines to press: lines of maps, or surrogates of profiles."""
+    """Return whether a pair can provide several pairs of lines: its bodies are maps, or surrogates of profiles."""
     return not pair.are_profiles or (pair.press_mode == "lines" and pair.has_surrogates)
 
 
@@ -389,7 +389,7 @@ def has_work_of_adhesion(pair: PairProperties) -> bool:
 
 @make_condition("must not be combined with {interface}, which contains mu0 and tau0")
 def has_no_interface(pair: PairProperties) -> bool:
-    """Return whether mu0 and tau0 may be set, because the user names no interface with calibrated mu0 and tau0."""
+    """Return whether the user names no interface; mu0 and tau0 may only be set without an interface."""
     return pair.options.interface is None
 
 

@@ -394,7 +394,7 @@ class MeasuredPair:
 
     @cached_property
     def half_space_inputs(self) -> Inputs:
-        """Inputs (mu0, tau0, elasticity, hardness) for half-space contact, if there is no adhesion or junction growth.
+        """Inputs of half-space contact without adhesion and junction growth: mu0, tau0, elasticity and hardness.
 
         If an interface is given, mu0 and tau0 are the medians of the interface.
         """
@@ -604,7 +604,7 @@ class MeasuredPair:
 
     @cached_property
     def _filter_settings(self) -> dict[str, Any]:
-        """Entries of the section `[surfaces]` for a low-pass filter, because short wavelengths may be instrument noise.
+        """Entries of the section `[surfaces]` that filter scans whose short wavelengths may be instrument noise.
 
         The study then has two cutoffs: one without a filter, and one at which each scan is filtered at its own cutoff.
         The filtered scans come first and give the quoted result if the spectrum of one scan ends in the noise floor of
@@ -671,7 +671,7 @@ class MeasuredPair:
         return [list(pair) for pair in zip(lengths[::2], lengths[1::2], strict=True)]
 
     def _count_positions(self) -> tuple[int, int]:
-        """Return two numbers: line pairs in the study, and relative positions in which each line pair is pressed."""
+        """Return the number of line pairs in the study, and the number of relative positions of each line pair."""
         num_lines, num_offsets = self.options.lines or DEFAULT_NUM_LINE_PAIRS, self.options.offsets
         if self.are_profiles and not self.has_surrogates:
             positions = self._listed_positions
@@ -796,7 +796,7 @@ class MeasuredPair:
 
     @property
     def _can_yield_by_slip_lines(self) -> bool:
-        """True if slip-line theory may apply, because the softer body is a metal, a polymer or unnamed.
+        """True if the softer body is a metal, a polymer or unnamed, so that slip-line theory may apply.
 
         A given hardness may belong to either of two named materials.
         """
@@ -1017,7 +1017,7 @@ def _list_scans(side: str, scan_input: Any) -> list[Any]:
 
 
 def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | NoiseHiddenInSpectrum | None:
-    """Return the limit below which wavelengths of a scan may be noise, or the noise that its spectrum may hide."""
+    """Return the wavelength limit of a scan's noise or, if it is negligible, the noise that the spectrum may hide."""
     body = scan.read()
     if isinstance(body, JoinedSpectrum) or body.is_flat:
         return None

@@ -1,4 +1,4 @@
-"""Inputs that a pair shares with the friction tests of its interface; their ranges may differ.
+"""Inputs that a pair shares with the friction tests of its interface, possibly with different ranges.
 
 The tests and the pair give the same range to most shared inputs, such as the hardness of a material. If the ranges
 differ but have the same central value, they are two statements about one quantity, and the narrower range applies.
@@ -46,7 +46,7 @@ _TESTED_RANGE_PATTERN = re.compile(r"(normal|log-normal|uniform) (\S+?)\.\.(\S+)
 
 @dataclass(frozen=True)
 class SharedInput:
-    """Input that a pair shares with the friction tests of its interface, with its distribution in either.
+    """Input that a pair shares with friction tests of its interface: its distribution in the tests and in the pair.
 
     Attributes
     ----------
@@ -114,7 +114,7 @@ def find_shared_inputs(
 def _find_tested_ranges(
     scores: Mapping[str, Floats], name: str, stated: UncertainInput, pair_checksum: str
 ) -> Iterator[SharedInput]:
-    """Yield the ranges that friction tests state for an input, each with the pair's own range as a `SharedInput`."""
+    """Yield a `SharedInput` for each range of an input in friction tests; it also contains the range in the pair."""
     suffix = f" of {pair_checksum}" if name == "area_loss" else ""
     for score_name in scores:
         text = score_name.removeprefix(f"{name} ")
@@ -132,7 +132,7 @@ def _find_tested_ranges(
 
 
 def apply_ranges_of_pair(strength: InterfaceStrength, shared_inputs: Mapping[str, SharedInput]) -> InterfaceStrength:
-    """Return a copy of an interface whose samples of mu0 and tau0 fit the pair's narrower ranges of inputs.
+    """Resample the mu0 and tau0 of an interface for inputs whose ranges are narrower in the pair than in the tests.
 
     Samples are selected in proportion to the ratio of the new to the old density of the inputs. They are then samples
     of the fit that the same tests would have given with the range of the pair.

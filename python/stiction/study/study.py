@@ -494,7 +494,7 @@ class Study(SettingsSection):
         return self.contact.step_quantity
 
     def contact_sum_names(self) -> tuple[str, ...]:
-        """Return the names of the quantities, such as sums over contacts, stored for each pair and loading step."""
+        """Return the names of the quantities stored for each pair and loading step, such as sums over contacts."""
         if self.uses_half_space:
             adhesion_names = ADHESION_QUANTITIES if self.contact.adheres else ()
             yielding_names = YIELDING_QUANTITIES if self.contact.yield_exponent is not None else ()
@@ -598,7 +598,7 @@ class Study(SettingsSection):
         return format_toml_sections(self._to_sections())
 
     def _convert_base_sections(self, changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-        """Return the study's sections; a section changes class if a changed key, such as `kind`, requires it."""
+        """Return the study's sections, converted to other classes if a changed key, such as `kind`, requires it."""
         sections = self._to_sections()
         selectors = {
             key: changes.get(f"{section}.{key}", sections[section].get(key)) for section, key in _DISCRIMINATOR_KEYS
@@ -660,7 +660,7 @@ class Study(SettingsSection):
 
 
 def _convert_section(section: SettingsSection, target_class: type[SettingsSection]) -> dict[str, Any]:
-    """Convert a section to another section class; keys that have the old class's default get the new default.
+    """Convert a section to another section class; a key with the old class's default gets the new class's default.
 
     Keys that differ from the default of the old class keep their values.
     """
@@ -674,7 +674,7 @@ def _convert_section(section: SettingsSection, target_class: type[SettingsSectio
 
 
 def drop_none_entries(section: SettingsSection) -> dict[str, Any]:
-    """Convert a section to a dictionary without keys whose value is None; keys are in the order of study files."""
+    """Convert a section to a dictionary without keys whose value is None; the keys are sorted as in study files."""
     data = section.model_dump(exclude_none=True)
     key_order = {key: index - len(_KEYS_WRITTEN_FIRST) for index, key in enumerate(_KEYS_WRITTEN_FIRST)}
     if isinstance(section, ContactSettingsForMeasuredMaps):
@@ -791,7 +791,7 @@ def find_member_differences(first_study: Study, second_study: Study) -> list[Stu
 
 
 def _have_equal_central_values(first_study: Study, second_study: Study, key: str) -> bool:
-    """Return whether a key is an input, such as hardness, and its central value is the same in two studies."""
+    """Return whether a key denotes an input, such as the hardness, that has equal central values in two studies."""
     section, _, name = key.partition(".")
     values = [getattr(getattr(study, section), name, None) for study in (first_study, second_study)]
     inputs = [value if isinstance(value, tuple) else (value,) for value in values]

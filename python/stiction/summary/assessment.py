@@ -319,7 +319,7 @@ def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
 
 
 def _build_contact_checks(study: Study) -> CheckGroups:
-    """Return the groups of checks that find caveats about a study's contacts, the check of the pull-off force first."""
+    """Return the groups of checks that find caveats about contacts; the check of the pull-off force comes first."""
     text = "the pull-off force is a lower bound"
     if not study.is_gap:
         text += f": {{}} of the {study.member_names.plural} have only a bound"
@@ -563,7 +563,7 @@ def assess_caveats(reasons: Iterable[Caveat | LimitCheck]) -> str:
 
 
 def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> Iterator[Caveat]:
-    """Yield a caveat if junction growth is neglected, makes friction unlimited, or differs from that in the tests."""
+    """Yield caveats if junction growth is neglected, is not that of the friction tests, or makes friction unlimited."""
     hardness = study.contact.hardness
     if hardness is None or not (mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS):
         return
@@ -633,7 +633,7 @@ class SizeEffect(NamedTuple):
 
 
 def estimate_size_effect(point: xarray.Dataset, study: Study) -> SizeEffect | None:
-    """Estimate how much harder small metal contacts are than a hardness from an indentation of unknown depth.
+    """Estimate how much harder small metal contacts are than a hardness test of unknown depth indicates.
 
     Returns None if the contacts have no size effect, or if the study includes it.
     """
@@ -742,7 +742,7 @@ def _find_caveats_about_unlimited_friction(
 
 
 def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield caveats if adhesion is neglected, its range is unresolved, or the interval leaves out its uncertainty."""
+    """Yield caveats if adhesion is neglected, has an unresolved range, or adds uncertainty that the interval omits."""
     if not study.contact.adheres:
         added_load = estimate_adhesion_load_ratio(point, study)
         # The asperity model always neglects adhesion, so it gets a caveat only if adhesion would double the load.
@@ -933,7 +933,7 @@ def find_lay_caveats(
 
 
 def _is_coefficient(rule: SlidingRuleCoefficient) -> bool:
-    """Return whether a sliding rule gives a coefficient, and not NaN or only a lower limit of the coefficient."""
+    """Return whether a sliding rule gives a coefficient, rather than NaN or only a lower limit."""
     return not math.isnan(rule.value) and rule.status != friction.STATUS_BULK_SHEAR
 
 

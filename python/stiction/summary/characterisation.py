@@ -81,7 +81,7 @@ class Characterisation:
 
     @cached_property
     def scale_limited_body(self) -> Profile | Surface:
-        """Body from which roughness parameters are computed: the profile without a filter, or the filtered surface."""
+        """Body from which roughness parameters are computed: the unfiltered profile, or the filtered surface."""
         body = self.body
         if isinstance(body, Profile):
             return body

@@ -86,7 +86,7 @@ class Evaluation(MemberSums):
         return None if onset is None else self.scale_onset(onset)
 
     def scale_onset(self, onset: xarray.Dataset) -> xarray.Dataset | None:
-        """Scale the tangential loads of a computed onset; sliding then starts at μ_s F, with friction at all contacts.
+        """Scale the tangential loads of a computed onset so that sliding starts at μ_s F for friction at all contacts.
 
         Returns None if the result has no coefficient, and the unchanged onset if the result does not include the rule
         "all".
@@ -131,7 +131,7 @@ class Evaluation(MemberSums):
 
     @property
     def contact_forces(self) -> xarray.Dataset | None:
-        """Two profiles in contact in the asperity model, and the force on the upper profile at each of their contacts.
+        """Contact of two profiles in the asperity model: both profiles, and the force on the upper one at each contact.
 
         None for maps, for the half-space model, and if no pair has contacts. The forces are computed on first use.
         """

@@ -36,7 +36,7 @@ CURVE_LOAD_FRACTIONS = (0.25, 0.5, 0.75)
 
 
 def evaluate_positions(result: Evaluation, point: xarray.Dataset) -> xarray.Dataset:
-    """Add to a dataset for one load, mu0 and tau0 the friction coefficient of each surface pair (`member_friction`).
+    """Add the friction coefficient of each surface pair (`member_friction`) to a dataset for one load, mu0 and tau0.
 
     The variable has the dimensions repetition, direction and sliding.
     """
@@ -107,7 +107,7 @@ class FrictionOverDimension:
 
 
 def iterate_motions(result: Evaluation) -> Iterator[tuple[str, Evaluation]]:
-    """Yield, for each sliding rule and direction of motion, a suffix for file names and the part of the result."""
+    """Split a result by sliding rule and direction of motion; yield a suffix for file names with each part."""
     dims = [dim for dim in ("sliding", "direction") if dim in result.head.dims]
     if not dims:
         yield "", result
@@ -135,7 +135,7 @@ def evaluate_friction_over_dimension(result: Evaluation, mu0: Sequence[float]) -
 
 
 def _find_commonly_reached_load(result: Evaluation, lowest: float) -> float:
-    """Return a load (mN) that the computation reaches for 90 % of the pairs (fractal dimension, amplitude).
+    """Return a load (mN) that the computation reaches for 90 % of the combinations of fractal dimension and amplitude.
 
     The load is a power of 10, unless this power would be below `lowest` (mN). The load is at least `lowest`, even if
     fewer combinations reach `lowest`.

@@ -368,7 +368,7 @@ def _get_axis_extents(body: MeasuredBody) -> tuple[float, float]:
 
 
 def have_different_spectra(joined: JoinedSpectrum) -> bool:
-    """Return whether a scan's spectral density differs from the others by over a factor of 2, and not by chance."""
+    """Return whether a scan's spectral density differs from that of others by over a factor of 2, and not by chance."""
     with np.errstate(invalid="ignore"):
         return bool(
             (np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_RATIO_OF_TWO_SPECTRA)).any()

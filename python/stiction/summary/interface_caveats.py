@@ -1,4 +1,4 @@
-"""Caveats about a calibrated interface, and about inputs whose ranges in its friction tests and in the pair differ."""
+"""Caveats about a calibrated interface, and about inputs whose ranges differ between friction tests and pair."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def find_interface_caveats(
     pair_checksum: str = "",
     caveats_of_missing_file: Mapping[str, str] | None = None,
 ) -> Iterator[Caveat]:
-    """Yield caveats about a pair's interface, and about inputs whose ranges in its tests differ from those in the pair.
+    """Yield caveats about a pair's interface, and about inputs whose ranges differ between its tests and the pair.
 
     `strength` is None if the file of the interface is missing or has changed. `name` is the name of the interface.
     `pair_checksum` identifies the pair among the tested pairs. `caveats_of_missing_file` contains the caveats that the
@@ -109,7 +109,7 @@ def _find_size_effect_difference(strength: InterfaceStrength, inputs: Inputs) ->
 
 
 def _get_tested_range_text(shared_input: SharedInput, strength: InterfaceStrength, unit: str) -> str:
-    """Return an input's range in friction tests as text: two limits or, for the hardness, the text from the user."""
+    """Return an input's range in friction tests as text: two limits or, for the hardness, the user's text."""
     tested = shared_input.tested
     with contextlib.suppress(KeyError, ValueError):
         hardness = parse_study_input("hardness", strength.about[HARDNESS_HEADER_ENTRY])

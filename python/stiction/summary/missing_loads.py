@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def missing_loads_text(result: MemberSums, values: xarray.Dataset, missing_loads: Sequence[float]) -> str:
-    """Return a sentence that lists loads without a friction coefficient, and states how to compute the coefficient.
+    """Return a sentence on loads without a coefficient: which loads, why, and how to compute other loads.
 
     `values` is a dataset of `Result.at`, or a selection from it.
     """

@@ -62,7 +62,7 @@ class ParameterAxis:
 
 
 class ReportGrid:
-    """Values between which the reader of a report chooses: loads, mu0, tau0, directions and kinds of surface pairs.
+    """Values among which the reader of a report can choose: loads, mu0, tau0, directions and kinds of surface pairs.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class ReportGrid:
 
     @property
     def motions(self) -> list[list[int]]:
-        """Groups of directions, as lists of indices; a report averages friction over each group (all, or a single one).
+        """Groups of directions over which a report averages friction, as lists of indices: all directions, or only one.
 
         Reports on generated surfaces contain no mean over all directions.
         """

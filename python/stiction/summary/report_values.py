@@ -126,7 +126,7 @@ def evaluate_measured_report(grid: ReportGrid) -> ReportValuesOfMeasuredSurfaces
 
 
 def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDArray[Any]]:
-    """Return arrays of coefficients, statuses, numbers of surface pairs and small-slope estimates per direction group.
+    """Return, for each group of directions, coefficients, statuses, numbers of surface pairs and small-slope estimates.
 
     The arrays have one index for each group of directions in `motions`.
     """
@@ -158,7 +158,7 @@ def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDA
 
 
 def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.intp]:
-    """Combine the statuses of all directions (axis 2) over which each coefficient is averaged into one status code."""
+    """Return one status code for each coefficient, from the statuses of all directions (axis 2) that it averages."""
     bulk_shear_code = STATUSES_BY_CODE.index(friction.STATUS_BULK_SHEAR)
     codes = np.select([statuses == name for name in STATUSES_BY_CODE], range(len(STATUSES_BY_CODE)))
     lowest_codes = np.where(codes == 0, len(STATUSES_BY_CODE), codes).min(axis=2)
@@ -312,7 +312,7 @@ def _compute_checked_numbers(
 
 
 def _broadcast_means(table: xarray.DataArray, shape: tuple[int, ...]) -> Floats:
-    """Return the mean values of a quantity, repeated to fill an array of the shape that the report uses."""
+    """Broadcast the mean values of a quantity to the array shape that the report uses."""
     return np.broadcast_to(
         _order_dimensions(table.sel(statistic="mean") if "statistic" in table.dims else table), shape
     )

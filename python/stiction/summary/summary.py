@@ -370,7 +370,7 @@ class Summary:
 
     @property
     def _points_at_cutoffs(self) -> xarray.Dataset | None:
-        """Friction at several cutoffs, from this result or else from a stored one; None if neither has such results."""
+        """Friction at several cutoffs: from `at` or, if it has only one cutoff, from `values_at_cutoffs` (or None)."""
         points = self.at if self.at.sizes.get("cut_off", 0) > 1 else self.values_at_cutoffs
         return None if points is None else sort_sliding_rules(points, self.study)
 
@@ -648,7 +648,7 @@ def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoef
 
 
 def _find_first_failure(table: xarray.Dataset) -> str:
-    """Return the status of all directions: "ok", or else the first other status in alphabetical order."""
+    """Return "ok" if this is the status of all directions, otherwise the alphabetically first of the other statuses."""
     statuses = np.unique(table["status"].values).tolist()
     return next((str(status) for status in statuses if status != friction.STATUS_OK), friction.STATUS_OK)
 
@@ -659,7 +659,7 @@ def _is_outside_asperity_model(table: xarray.Dataset) -> bool:
 
 
 def _read_coefficients(table: xarray.Dataset, name: str, dimension: str) -> dict[float, Estimate]:
-    """Return estimates of a quantity, keyed by coordinate along a dimension; empty if the data lack either of them."""
+    """Return estimates of a quantity by coordinate along a dimension; empty if quantity or dimension is missing."""
     return read_estimates_along(table[name], dimension) if name in table and dimension in table[name].dims else {}
 
 

@@ -296,7 +296,7 @@ class _FilterKernel:
 
 
 def _fit_local_lines(heights: Floats, axis: int, cutoff_in_points: float, samples_weights: bool) -> Floats:
-    """Fit a line, with Gaussian weights, to nearby heights along an axis at each point; return the fitted heights."""
+    """Fit, at each point, a line with Gaussian weights to nearby heights along an axis; return the fitted heights."""
     from scipy.fft import irfft, rfft
 
     kernel = _FilterKernel(heights.shape[axis], cutoff_in_points, samples_weights)

@@ -86,7 +86,7 @@ def estimate_density_between_harmonics(density: Floats, count: Floats, distance:
 
 
 def _compute_median_between_harmonics(padded_density: Floats, harmonics: Floats, distance: float) -> Floats:
-    """Return the median spectral density near each harmonic, outside its peak, up to halfway to the next harmonic."""
+    """Return the median spectral density around each harmonic: outside its peak, up to halfway to the next harmonic."""
     bins = np.arange(padded_density.size)
     medians = []
     for harmonic in harmonics.tolist():

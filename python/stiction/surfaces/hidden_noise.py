@@ -35,7 +35,7 @@ _MAX_FITTED_NOISE_RATIO = 2.0
 
 @dataclass(frozen=True)
 class NoiseHiddenInSpectrum:
-    """White noise that a scan's spectrum may hide, and the cutoff that removes as much of the mean square slope."""
+    """White noise that a scan's spectrum may hide, and the low-pass cutoff that removes an equal mean square slope."""
 
     slope_fraction: float
     # Cutoff (µm) of the low-pass filter that removes the fraction `slope_fraction` of the mean square slope.

@@ -472,7 +472,7 @@ def _remove_noisy_end(
 
 
 def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> tuple[Floats, Floats]:
-    """Fit to a spectrum a constant up to a bin and a power law beyond it; do so for each bin that may be the limit.
+    """Fit a spectrum by a constant up to a bin and a power law beyond it, for each bin that may end the roll-off.
 
     If the roll-off ends in bin 0, there is no roll-off. Returns the logarithms of the wave numbers for each fit, which
     are constant in the roll-off, and the losses.

@@ -85,7 +85,7 @@ def find_largest_gap(missing: NDArray[np.bool_]) -> tuple[int, tuple[slice, ...]
 
 
 def with_interpolated_points(body: AnyBody, points: NDArray[np.bool_]) -> AnyBody:
-    """Return a copy of a body in which given points are interpolated; without points, return the body itself.
+    """Return a copy of a body with given points interpolated, or the body itself if nothing can be interpolated.
 
     The missing points of the body are interpolated again, because their heights may depend on the given points.
     """
@@ -263,7 +263,7 @@ def _compute_deviations_from_neighbours(
 def _compute_deviations_in_strip(
     heights: Floats, padded_heights: Floats, reach: int
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return, for each height in a strip, two deviations from neighbours, and whether it is at an edge of the data.
+    """Return, for each height in a strip, two deviations from neighbours, and whether its point is at a data edge.
 
     A strip is a range of map rows, or a whole profile.
     """
@@ -319,7 +319,7 @@ def _find_smallest(values: list[Floats], kept_count: int) -> list[Floats]:
 
 
 def _compute_finite_median(values: list[Floats], min_count: int) -> Floats:
-    """Return, at each point, the median of the numbers in several arrays, without NaN and infinity.
+    """Return, at each point, the median of the finite numbers in several arrays.
 
     Returns NaN for fewer than `min_count`.
     """

@@ -304,7 +304,7 @@ class MapPairs:
 
     @cached_property
     def _shifts_in_points(self) -> tuple[tuple[int, int], ...]:
-        """Shifts of the upper map in whole grid points (rows, columns), rounded from shifts in µm."""
+        """Shifts of the upper map as whole numbers of grid points (rows, columns), rounded from shifts in µm."""
         dy, dx = self.spacing
         return tuple((round(y / dy), round(x / dx)) for x, y in self.shifts or ())
 

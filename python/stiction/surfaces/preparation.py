@@ -137,7 +137,7 @@ def _compute_orthogonal_polynomials(points: int, degree: int) -> list[Floats]:
 
 
 def _subtract_fit(heights: Floats, basis: list[Floats], missing: NDArray[np.bool_] | None) -> Floats:
-    """Subtract the least-squares fit of basis functions from heights; the functions are orthogonal on a full grid.
+    """Subtract from heights the least-squares fit of basis functions, which are orthogonal on a grid without gaps.
 
     If only round-off remains, the result is zero.
     """

@@ -287,7 +287,7 @@ def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) 
 
 
 def _find_grid_offset(upper: Any, lower: Any, position: _FacePosition) -> tuple[int, ...] | None:
-    """Return the upper face's offset in points if a position puts its points on the lower face's grid, else None.
+    """Return a position as an offset in points if it puts the upper face's points on the lower face's grid, else None.
 
     Deviations of up to `GRID_TOLERANCE` points from the grid are ignored.
     """
@@ -377,7 +377,7 @@ def _refine_position(upper: Any, lower: Any, position: _FacePosition) -> _FacePo
 
 
 def _compute_gauss_newton_step(upper: Any, lower: Any, position: _FacePosition) -> tuple[float, Floats]:
-    """Return the rms gap (µm) at a position, and the change of shift and rotation that a Gauss-Newton step gives."""
+    """Return the rms gap (µm) at a position, and the changes of shift and rotation in a Gauss-Newton step."""
     upper_overlap, lower_overlap = _interpolate_overlap(upper, lower, position)
     missing = combine_missing_masks(upper_overlap, lower_overlap)
     measured = np.ones(lower_overlap.heights.shape, bool) if missing is None else ~missing

@@ -262,7 +262,7 @@ def _are_identical(
 def _find_noise_cutoff(
     q: Floats, spectrum_of_mean_scan: Floats, noise: Floats, shortest: float, longest: float
 ) -> float:
-    """Return the shortest low-pass cutoff (µm) after which noise contributes little to the mean square slope, or NaN.
+    """Return the shortest low-pass cutoff (µm) that leaves little noise in the mean square slope, or NaN.
 
     The remaining noise contributes at most the fraction `MAX_NEGLIGIBLE_NOISE_FRACTION` of the mean square slope.
     """

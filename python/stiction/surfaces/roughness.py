@@ -345,7 +345,7 @@ def _compute_developed_area_ratio(heights: Floats, spacing: tuple[float, float])
 
 
 def _find_decay_lengths(deviation: Floats, spacing: tuple[float, float]) -> tuple[float, float]:
-    """Return the distances at which the autocorrelation has fallen to 0.2: the shortest and longest of all directions.
+    """Return the shortest and the longest distance, over all directions, at which the autocorrelation falls to 0.2.
 
     The shortest distance is NaN if the autocorrelation falls to 0.2 in no direction, and the longest is NaN unless it
     falls to 0.2 in all directions.

@@ -116,7 +116,7 @@ class ScaleDependentRoughness(TextReprMixin):
         return np.asarray(1 - np.square(self.gradient_at(wavelength) / self.gradient[-1]))
 
     def continued(self, wavelength: ArrayLike, estimate: HurstEstimate) -> Floats:
-        r"""Return, for each given wavelength (µm), the rms slope due to this and longer ones, extrapolated if needed.
+        r"""Return the rms slope due to each given wavelength (µm) and all longer wavelengths, extrapolated if needed.
 
         The power law of `estimate` adds the wavelengths that are too short for the scan.
 
@@ -138,7 +138,7 @@ class ScaleDependentRoughness(TextReprMixin):
         )
 
     def wavelength_of(self, gradient: float, estimate: HurstEstimate | None = None) -> float:
-        """Find the wavelength (µm) down to which wavelengths must be included for an rms slope of `gradient`.
+        """Find the wavelength (µm) that together with all longer wavelengths has an rms slope of `gradient`.
 
         The power law of `estimate`, if given, extrapolates the spectrum.
 
@@ -183,7 +183,7 @@ def fitted_and_limiting_power_laws(estimate: HurstEstimate) -> tuple[HurstEstima
 
 
 def extrapolated_mean_square_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
-    """Return the mean square slope due to wavelengths from a given one (µm) up to the shortest of a fitted band.
+    """Return the mean square slope due to wavelengths between a given one (µm) and the shortest of a fitted band.
 
     The power law of the band is extrapolated to these wavelengths.
     """
@@ -567,7 +567,7 @@ def _count_independent_lines(transform: NDArray[np.complex128], *, periodic: boo
 
 
 def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: list[float]) -> tuple[bool, float]:
-    """Compare the noise along x with the noise along y in a map, if noise was found along x, along y, or both.
+    """Compare the noise along x and along y in a map in which noise was found along at least one of these axes.
 
     White noise has the same variance along both axes, so its densities are proportional to the spacings.
 

@@ -130,7 +130,7 @@ class ScanDefects:
 
     @cached_property
     def hidden_noise(self) -> NoiseHiddenInSpectrum | None:
-        """White noise that the scan may contain although its spectrum shows no noise floor; None if there is none.
+        """White noise that the scan may contain although its spectrum shows no noise floor, or None.
 
         None if there is no such noise, if visible noise already exceeds a tenth of the mean square slope, or if the
         scan is textured.
@@ -315,7 +315,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
 
 
 def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return a mask of those outliers that are isolated; unlike cusps and groove bottoms, they stand out abruptly.
+    """Return a mask of the isolated outliers, which stand out abruptly, unlike cusps and groove bottoms.
 
     A group of adjacent outliers is isolated if its deviation from the profile without outliers is large compared with
     the height of its flanks, or if a single step on its flanks makes up most of its height. Dips must also be deep,

@@ -294,7 +294,7 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
 
 
 def _fit_densities(response: Floats, measured_density: Floats, count: Floats, density: Floats) -> Floats:
-    """Fit by maximum likelihood the spectral densities of rings of wave vectors that reproduce a profile's spectrum.
+    """Fit the spectral densities of rings of wave vectors to a profile's spectrum by penalised maximum likelihood.
 
     The likelihood is maximized by Fisher scoring.
     """

@@ -217,7 +217,7 @@ def _describe_unseparated_mu0_tau0(interface: Interface) -> Iterator[str]:
 
 
 def _find_ends_of_strengths(interface: Interface) -> tuple[tuple[str, str], tuple[str, str]]:
-    """Return as text the extreme pairs (mu0, tau0) that the tests allow: lowest tau0, and lowest mu0.
+    """Return as text two extreme pairs (mu0, tau0) that the tests allow: with the lowest tau0, and with the lowest mu0.
 
     The first pair has the lowest tau0, and the second the lowest mu0. The samples at an end have tau0 = 0 or mu0 = 0.
     If the tests exclude this value, the samples are the 5 % with the lowest tau0 or mu0, whose median is the lower
@@ -239,7 +239,7 @@ def _find_ends_of_strengths(interface: Interface) -> tuple[tuple[str, str], tupl
 
 
 def _junction_growth_text(interface: Interface) -> str:
-    """Return a sentence on junction growth: how the tests were evaluated, and whether the tests narrow its range."""
+    """Return a sentence on junction growth: its value for the evaluation, and whether the tests narrow its range."""
     growth = interface.junction_growth
     assert growth is not None, "tests have a junction growth"
     text = f"Junction growth: the tests were evaluated with {junction_growth_text(growth)}"

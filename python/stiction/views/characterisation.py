@@ -67,7 +67,7 @@ class CharacterisationTable:
 
     @cached_property
     def rows(self) -> list[TableRow]:
-        """Rows of the characterisation table on the whole profile or surface."""
+        """Rows of the characterisation table that describe the whole profile or surface."""
         points, spacings = np.shape(self.scan.body.heights)[::-1], np.atleast_1d(self.scan.body.spacing)[::-1]
         rows = [
             TableRow("" if index else "history", (step,), is_detail=True)
@@ -318,7 +318,7 @@ class CharacterisationTable:
 
     @cached_property
     def line_table_rows(self) -> list[TableRow]:
-        """Rows of the characterisation table on the lines along x and the lines along y of a surface."""
+        """Rows of the characterisation table that describe the lines of a surface along x and along y."""
         if not self.scan.line_roughnesses:
             return []
         line_directions, moments = self.scan.line_roughnesses, self.scan.areal_analysis[1]
@@ -370,7 +370,7 @@ class CharacterisationTable:
 def find_outlier_caveats(
     scans: Sequence[Characterisation], names: Sequence[str], *, consequence: str, option: str
 ) -> list[Caveat]:
-    """Return one caveat for each scan that has outliers; its spectrum is computed without the outliers.
+    """Return one caveat for each scan that has outliers, which are excluded from the scan's spectrum.
 
     `consequence` is a clause about the numbers that exclude the outliers. `option` is the option that removes the
     outliers from the scan.

@@ -138,7 +138,7 @@ def write_joint_table(
     result: Evaluation, path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS, *, load: Any = None, mu0: Any = None,
     tau0: Any = None, closure_from: Any = None,
 ) -> None:  # fmt: skip
-    """Write joint tables to a new file, one for each mu0 and tau0, or one table as an input card for another program.
+    """Write joint tables (one for each mu0 and tau0) to a new file, or one table as an input card for another program.
 
     `load` contains the loads of the tables, by default all. A card contains all loads; `load` is the load of the
     coefficient and stiffnesses that a card contains once. `closure_from` is the load from which the closure is counted,
@@ -227,7 +227,7 @@ def write_shear_parameters(test: xarray.Dataset, path: Path, units: UnitSystem =
 
 
 def check_joint_file(path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> None:
-    """Check the file name and the units for a joint table; this happens before the table is computed.
+    """Check the file name and the units of a joint table before the table is computed.
 
     Raises the same errors as `write_joint_table`.
     """

@@ -1,4 +1,4 @@
-"""Text and JSON of a pair's friction and true contact area if its heights are multiplied by given factors."""
+"""Text and JSON on the friction and true contact area of a pair whose heights are multiplied by given factors."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ HEIGHT_SCALE_NOTE = (
 
 
 def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
-    """Return tables of the friction of a pair with scaled heights as text; each row has another height factor."""
+    """Return, as text, tables of a pair's friction and true contact area, with a row for each factor of the heights."""
     scaled_surfaces = NAMES_OF_SCALED_SURFACES[dataset.attrs["scaled"]]
     lines = [
         wrap_text(
@@ -104,7 +104,7 @@ def _height_factor_row(point: xarray.Dataset, rules: list[str], study: Study) ->
 
 
 def height_scale_json(dataset: xarray.Dataset, study: Study) -> str:
-    """Return as JSON the friction of a pair for several factors by which its heights are multiplied."""
+    """Return as JSON the friction and other quantities of a pair for each factor by which its heights are scaled."""
     fields = {"kind": "pair", "scaled": dataset.attrs["scaled"], "solved": dataset.attrs["solved"].tolist()}
     fields |= {name: float(dataset[name]) for name in ("effective_modulus", "nominal_area") if name in dataset.coords}
     frame = rows.values_frame(sort_sliding_rules(dataset, study))

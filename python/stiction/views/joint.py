@@ -132,7 +132,7 @@ def joint_json(tables: Sequence[JointTable], sources: Sequence[str]) -> str:
 
 
 def _list_notes(tables: Sequence[JointTable]) -> list[str]:
-    """Return the notes of all joint tables; mu0 and tau0 precede notes that do not apply to all tables."""
+    """Return the notes of joint tables; a note that not all tables share starts with its table's mu0 and tau0."""
     shared_notes = [note for note in tables[0].notes if all(note in table.notes for table in tables)]
     return shared_notes + [
         f"μ0 = {table.mu0:.4g}, τ0 = {format_with_unit(table.tau0, 'GPa')}: {note}"
@@ -271,7 +271,7 @@ def _list_curve(table: JointTable) -> list[tuple[Estimate, Estimate]]:
 
 
 def _find_start_closure(table: JointTable) -> float:
-    """Return the closure at the end of the straight line with which an input card's curve begins; 0 without a line.
+    """Return the closure that is added to an input card's curve so that it begins with a straight line from the origin.
 
     The line ends at the pressure from which closure is counted, and has the closure stiffness at this pressure. The
     result is 0 if closure is counted from first contact.
@@ -338,7 +338,7 @@ More estimates would exceed the line limit of Abaqus (256 characters).
 
 
 def _comment_table(table: JointTable, prefix: str, given: Collection[str] = ()) -> list[str]:
-    """Return the main columns of a joint table, and intervals, as comment lines for an input card.
+    """Return, as comment lines for an input card, the main columns of a joint table with their intervals.
 
     The card itself contains the estimates named in `given`, so only their intervals are listed. The interval of a
     closure belongs to the closure in the card, and is empty for pressures that the card does not contain.

@@ -20,7 +20,7 @@ SCHEMA_VERSION = 2
 
 
 def record_json(command: str, values: list[dict[str, Any]], **fields: Any) -> str:
-    """Return as JSON text what a command prints: its name, the version, its results and further fields."""
+    """Return the output of a command as JSON text: command name, version of stiction, results and further fields."""
     record = {"schema": SCHEMA_VERSION, "stiction": __version__, "command": command, **fields, "values": values}
     return to_json(record, ensure_ascii=False, indent=1)
 

@@ -17,7 +17,7 @@ _PROPERTY_UNITS = {"young_modulus": "GPa", "poisson_ratio": "1", "hardness": "GP
 
 
 def materials_text(materials: Sequence[Material]) -> str:
-    """Return tables of materials as text: one table per kind of material, with ranges of properties and sources."""
+    """Return a table of materials as text: a section per kind of material, with ranges of properties and sources."""
     sources: dict[str, int] = {}
 
     def value_cell(value: MaterialValue | None) -> str:

@@ -93,7 +93,7 @@ def _overview_table(points: Sequence[PointSummary], rule: str, varying_names: Se
 
 
 def _omission_text(printed_points: Sequence[PointSummary], points: Sequence[PointSummary], study: Study) -> str:
-    """Return a sentence that states which coefficients are omitted, and which command prints them.
+    """Return a sentence that states how many values of each coordinate are shown, and which command prints all.
 
     Returns "" if no coefficients are omitted.
     """

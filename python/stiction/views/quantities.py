@@ -116,7 +116,7 @@ def percent_text(fraction: float) -> str:
 
 
 def _find_quantile(point: PointSummary, name: str, fraction: float) -> Estimate:
-    """Return a quantile of a stored distribution; of the stored probabilities, the closest to `fraction` is used."""
+    """Return the quantile of a stored distribution whose probability is closest to `fraction`."""
     quantiles = point.distributions[name]
     return quantiles[min(quantiles, key=lambda fraction_below: abs(fraction_below - fraction))]
 

@@ -215,7 +215,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
 def _merge_quantities(
     table: pandas.DataFrame, dataset: xarray.Dataset, study: Study, keys: Sequence[str]
 ) -> pandas.DataFrame:
-    """Add to a table of coefficients the columns of all other quantities in a CSV file, and their interval limits.
+    """Add columns with all other quantities of a CSV file, and with their interval limits, to a table of coefficients.
 
     `keys` are the columns that identify the rows of a quantity, if the quantity depends on them. Quantities with the
     same rows are added in one step, because each step takes several milliseconds.
@@ -325,7 +325,7 @@ def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[floa
 
 
 def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
-    """Return as JSON what a command prints on a summary: result points, caveats, cutoffs and onset of sliding."""
+    """Return the output of a command about a summary as JSON: result points, caveats, cutoffs and onset of sliding."""
     if summary.no_points_reason:
         return record_json(command, [], **fields, remark=summary.no_points_reason)
     dataset, study = summary.at, summary.study

@@ -1,4 +1,4 @@
-"""Sentences on a result: a sentence to quote with its clauses, and sentences with details of a result point."""
+"""Sentences on a result: a sentence to quote, its clauses, and sentences with details of a result point."""
 
 from __future__ import annotations
 
@@ -184,7 +184,7 @@ def junction_growth_text(growth: UncertainInput) -> str:
 
 
 def contact_hardness_text(points: Sequence[PointSummary], indent: float) -> str:
-    """Return a phrase on the hardness measured at the depth `indent` (µm), and on the hardness in the contacts.
+    """Return a phrase on the depth `indent` (µm) of the hardness measurement, and on the hardness in the contacts.
 
     The hardness increases with decreasing load. For several result points, the text has the range of the hardness, and
     the interval encloses the intervals of all points.
@@ -359,7 +359,7 @@ def lay_assumption(study: Study) -> str:
 
 
 def list_assumptions(study: Study) -> tuple[str, ...]:
-    """Return the assumptions of a study on profiles, on the contact model, and on adhesion."""
+    """Return the assumptions of a study about the lay, the contact model and adhesion."""
     if not study.is_measured:
         return ()
     contact = study.contact
@@ -450,7 +450,7 @@ def area_size_effect_text(points: Sequence[PointSummary]) -> str:
 
 
 def point_detail_sentences(point: PointSummary) -> list[str]:
-    """Return sentences on a result point: on contributions, single tests, dwell times, finer scans and inputs."""
+    """Return sentences on a result point: friction contributions, single tests, dwell times, finer scans and inputs."""
     sentences = (
         [] if point.is_unloaded else [contributions_text(point), single_test_text(point), dwell_time_text(point)]
     )

@@ -245,7 +245,7 @@ _INTERVAL_LABELS = {
 
 
 def _list_interval_caveats(test: xarray.Dataset) -> list[str]:
-    """Return a caveat in a list if some interval limits are infinite or missing because no solution exists."""
+    """Return a list with a caveat if some intervals are open or missing because the contact has no finite solution."""
     open_texts = []
     for name, (label, points) in _INTERVAL_LABELS.items():
         if f"{name}_interval" not in test:
@@ -265,7 +265,7 @@ def _list_interval_caveats(test: xarray.Dataset) -> list[str]:
 
 
 def _list_fit_caveats(attributes: Mapping[Any, Any]) -> list[str]:
-    """Return a caveat in a list if two faces fit poorly: in slope, or with a gap that noise cannot explain."""
+    """Return a list with a caveat if two faces fit poorly: their slopes differ, or noise does not explain their gap."""
     correlation, is_registered = float(attributes["fit_correlation"]), "registration_rms_gap_um" in attributes
     if correlation < MIN_FIT_CORRELATION:
         if not is_registered:

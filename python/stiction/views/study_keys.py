@@ -128,7 +128,7 @@ def _models_with_key(
     section_classes: Sequence[type[values.SettingsSection]],
     base_classes: Sequence[type[values.SettingsSectionVariant]],
 ) -> list[str]:
-    """Return descriptions of the kinds of study-file sections that may contain a given key.
+    """Return a description of each kind of study-file section that may contain a given key.
 
     If all subclasses of a base class have the key, the description of the base class replaces their descriptions.
     """

@@ -355,7 +355,7 @@ def _table_coordinate_text(point: PointSummary, name: str) -> str:
 
 
 def _direction_paragraphs(point: PointSummary, *, verbose: bool) -> list[Paragraph]:
-    """Return a paragraph on grooves; if `verbose`, add tables of coefficients for each axis and each direction."""
+    """Return a paragraph on grooves and, if `verbose`, tables of coefficients for each axis and each direction."""
     if not verbose:
         return [grooves_paragraph(point)]
     by_direction = {rule.rule: rule.by_direction for rule in _sort_rules_of_directions(point)}
@@ -366,7 +366,7 @@ def _direction_paragraphs(point: PointSummary, *, verbose: bool) -> list[Paragra
 
 
 def _sort_rules_of_directions(point: PointSummary) -> list[SlidingRuleCoefficient]:
-    """Sort the coefficients of a result point (one per sliding rule) as the columns of a table by direction.
+    """Sort the coefficients of a result point (one per sliding rule) into the column order of tables by direction.
 
     The first column is for the rule "all", unless an interface was fitted under the other rule.
     """

@@ -157,7 +157,7 @@ class InterpretedScan(Generic[_Body]):
 
 
 def to_profile_or_surface(raw: RawHeights, name: str, options: ReadOptions) -> InterpretedScan[Profile | Surface]:
-    """Convert the content of a scan file to a profile or, if the heights form a matrix, to a height map."""
+    """Convert the content of a scan file to a profile or, if there are several rows and columns, to a height map."""
     if _flatten_single_line(raw).heights.ndim == 1:
         return to_profile(raw, name, options)
     return to_surface(raw, name, options)
@@ -360,7 +360,7 @@ def _convert_heights(raw: RawHeights, options: ReadOptions) -> tuple[Floats, str
 
 
 def _choose_height_unit(raw: RawHeights, given: str | None) -> tuple[str, list[FileCaveat], list[str]]:
-    """Return three things: the unit of the heights, caveats about the file, and entries for the scan's history.
+    """Return the unit of the heights, caveats about the file, and entries for the history of the scan.
 
     If the file declares a factor with a unit, this unit has priority.
     """
@@ -379,7 +379,7 @@ _NO_MAP_SPACING_MESSAGE = (
 
 
 def _require_unit_or_spacing(raw: RawHeights, options: ReadOptions) -> None:
-    """Raise one `FormatError` if neither the scan file nor the user states a unit, and neither states a spacing."""
+    """Raise one `FormatError` that names unit and spacing if both are missing in the scan file and in the options."""
     lacks_unit = raw.unit is None and options.height_unit is None
     lacks_spacing = options.spacing == (None, None) and all(
         value is None
@@ -411,7 +411,7 @@ def _describe_unclear_spacing(raw: RawHeights) -> str:
 
 
 def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> None:
-    """Raise `FormatError` if the header has a spacing without a unit, and no unit makes it equal to the user's spacing.
+    """Raise `FormatError` if a header's spacing without a unit differs from the user's spacing in every possible unit.
 
     Two spacings in a header line of uncertain meaning must equal the user's spacings in either order.
     """
@@ -587,7 +587,7 @@ class _PositionResolution:
 def _find_worst_unexplained_deviation(
     x: Floats, spacing: float, resolution: _PositionResolution, slack: float
 ) -> tuple[int, float] | None:
-    """Return the index of the position farthest from a uniform grid, and its distance from the grid.
+    """Find the position whose deviation from a uniform grid most exceeds its rounding; return its index and deviation.
 
     Returns None if rounding explains all deviations. The place values of the printed digits are computed only if the
     exact positions deviate from a uniform grid.
@@ -600,7 +600,7 @@ def _find_worst_unexplained_deviation(
 def _find_worst_position_deviation(
     x: Floats, spacing: float, last_digit_values: Floats, slack: float
 ) -> tuple[int, float] | None:
-    """Return the index of the position farthest from a uniform grid, and its distance, unless rounding explains it.
+    """Return index and deviation of the position whose deviation from a uniform grid most exceeds its rounding error.
 
     Returns None if rounding explains all deviations.
     """

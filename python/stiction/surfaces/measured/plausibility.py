@@ -354,7 +354,7 @@ def _find_excessive_height_range(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _find_contradicted_height_range(scan: ScannedHeights) -> Iterator[str]:
-    """Report a scan whose height range far exceeds the declared range, or equals it divided by a power of 1000.
+    """Report a height range that far exceeds the declared range, or is the declared range divided by a power of 1000.
 
     A declared range that is larger by any other factor may be the measuring range of the instrument.
     """

@@ -466,7 +466,7 @@ def _reject_described_slopes(path: Path) -> None:
 
 
 def _read_binary_file(path: Path) -> ReaderResult:
-    """Read a binary file, whose name suggests a text file, by means of the package SurfaceTopography."""
+    """Read a binary file that was expected to be text, by means of the package SurfaceTopography."""
     if is_reader_installed():
         try:
             return read_instrument_file(path)

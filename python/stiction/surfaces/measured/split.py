@@ -250,7 +250,7 @@ _DATE_PATTERN = re.compile(
 
 
 def describe_remedy_of_word(word: str) -> str:
-    """Return advice on how to correct a cell that contains a date, brackets or a word, for an error message."""
+    """Return advice for an error message: how to correct a cell that contains a date, brackets or a word."""
     if _DATE_PATTERN.fullmatch(word):
         return "a spreadsheet program has converted numbers to dates; export the file again with a decimal point"
     if re.search(r"[\[\]{}]", word):

@@ -104,7 +104,7 @@ class _TableWithTextColumns:
 
 
 def _find_word_table(text: DecodedText, lines: Sequence[int], separator: str | None) -> _TableWithTextColumns:
-    """Find the table in a text that has columns of words next to columns of numbers; cells have a given separator.
+    """Split lines into cells, and find the table that has columns of words next to columns of numbers.
 
     The rows of the table have the same number of cells, and numbers in the same columns.
     """

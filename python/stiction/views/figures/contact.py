@@ -319,7 +319,7 @@ def _draw_pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, ha
 
 
 def contact_map_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Figure:
-    """Draw a figure 80 mm wide: contacts of two maps or profiles, with colours for the friction of each contact.
+    """Draw a figure 80 mm wide: contacts of two maps or profiles; colours show which contacts oppose the motion.
 
     Three colours mark contacts that oppose the motion, contacts that assist it, and contacts cut by an edge.
     `picture` comes from `contact_picture`, and `direction` is the direction of motion of the upper body (degrees).

@@ -126,7 +126,7 @@ def _draw_polar_circles(axes: Any, highest: float, degrees: Floats) -> None:
 
 
 def _find_polar_angle_of_labels(degrees: Floats) -> float:
-    """Return a direction (degrees, first quadrant) for circle labels, far from data points and from spokes."""
+    """Return the direction (degrees, first quadrant) for circle labels that is farthest from data points and spokes."""
     candidates = np.array([67.5, 75.0, 60.0, 52.5, 22.5, 15.0, 30.0, 37.5])
     occupied_directions = np.concatenate([degrees, np.arange(0, 360, 45)])
     distances = np.abs((candidates[:, np.newaxis] - occupied_directions + 180) % 360 - 180).min(axis=1)

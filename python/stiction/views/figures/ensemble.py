@@ -176,7 +176,7 @@ def format_fractal_dimension_axis(axes: Axes, points: xarray.Dataset, *, last: b
 
 
 def find_fraction_beyond_hertz(points: xarray.Dataset, name: str = "friction_coefficient") -> Floats:
-    """Return, for each result point, the fraction of the load on contacts that are pressed too deep for Hertz theory.
+    """Return, for each result point, the fraction of the load on contacts that are pressed too deeply for Hertz theory.
 
     The fraction is NaN in the half-space model, which has no asperities.
     """
@@ -459,7 +459,7 @@ def _draw_area_curves(axes: list[Axes], areas: xarray.Dataset, *, label_distance
 
 
 def profiles_figure(profiles: Mapping[float, Profile], study: Study) -> Figure:
-    """Draw profiles of several fractal dimensions: full length on the left, one length scale on the right.
+    """Draw profiles of several fractal dimensions: in full length on the left, over one length scale on the right.
 
     `profiles` comes from `generate_profiles`.
     """

@@ -22,7 +22,7 @@ from stiction.views.style import (
 
 
 def height_scale_figure(points: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw friction and true contact area of a pair with scaled heights, as functions of its rms gradient.
+    """Draw friction and true contact area of a pair with scaled heights, as functions of the gap's rms gradient.
 
     Parameters
     ----------

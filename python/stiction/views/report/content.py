@@ -96,7 +96,7 @@ def _shear_strength_limit(modulus: float) -> dict[str, Any]:
 
 
 def _slider_settings(axes: tuple[ParameterAxis, ParameterAxis], study: Study) -> dict[str, Any]:
-    """Return settings of the sliders for mu0 and tau0 (MPa): values, initial value, and values that have a range."""
+    """Return settings of the sliders for mu0 and tau0 (MPa): all values, initial value, and values with a range."""
     initial_values = (
         study.friction.mu0[0 if study.is_measured else len(study.friction.mu0) // 2],
         float(study.friction.tau0[0]),

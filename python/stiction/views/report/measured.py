@@ -248,7 +248,7 @@ def _assessment_record(point: PointSummary) -> dict[str, Any]:
 
 
 def _contribution_record(point: PointSummary) -> dict[str, Any] | None:
-    """Return the coefficient if friction acts at all contacts, its interval, and what slopes and others contribute.
+    """Return the coefficient for friction at all contacts, its interval, and contributions of mu0, tau0 and slopes.
 
     Returns None if the coefficient or its contributions are unknown.
     """

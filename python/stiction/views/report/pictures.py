@@ -214,7 +214,7 @@ def _height_factors_panel(points: xarray.Dataset, scaled_bodies: ScaledBodies, t
 
 
 def _adhesion_panel(loading_cycle: xarray.Dataset, title: str) -> FigurePanel:
-    """Return the panel that shows load against approach of adhesive bodies, during loading and unloading."""
+    """Return the panel that shows load against approach and true area of adhesive bodies, in loading and unloading."""
     return FigurePanel(
         "Loading and unloading",
         "Load against approach and true area of a typical pair, pressed together and pulled apart.",

@@ -1,4 +1,4 @@
-"""Report on a direct shear test: coefficients at the peak and at the end, caveats, figure, table by displacement."""
+"""Report on a direct shear test: coefficients at the peak and the end, caveats, figure, and table by displacement."""
 
 from __future__ import annotations
 

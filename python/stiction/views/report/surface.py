@@ -43,7 +43,7 @@ def surface_page(
 
 
 def _interpretation_markup(characterisation: Characterisation) -> str:
-    """Return HTML with caveats, with the small-slope estimate, and with the effect that a finer scan would have."""
+    """Return HTML with caveats, the small-slope estimate of friction, and the expected effect of a finer scan."""
     caveats_markup = "".join(
         f"<li>{escape_html(f'{caveat.text[0].upper()}{caveat.text[1:]}; {caveat.remedy}.')}</li>"
         for caveat in characterisation.caveats
