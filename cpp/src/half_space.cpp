@@ -483,7 +483,6 @@ std::optional<LinearResponse> respond_on_area(const HalfSpaceGrids& grids, const
                                               SolverMemory& memory, const ThreadPool& pool) {
   struct Sums {
     double potential = 0.0;
-    double pressure = 0.0;
     double preconditioned = 0.0;
     double response = 0.0;
     double product = 0.0;
@@ -493,7 +492,6 @@ std::optional<LinearResponse> respond_on_area(const HalfSpaceGrids& grids, const
 
     void add(const Sums& other) {
       potential += other.potential;
-      pressure += other.pressure;
       preconditioned += other.preconditioned;
       response += other.response;
       product += other.product;
@@ -533,16 +531,10 @@ std::optional<LinearResponse> respond_on_area(const HalfSpaceGrids& grids, const
   residual.assign(grid.size(), 0.0F);
   direction.assign(grid.size(), 0.0F);
   const auto displace = [&] { kernels.points->displacement(direction, response, memory.workspace, pool, rows); };
-  // The first pressures displace all points approximately equally.
+  // All pressures start equal. A start from the preconditioner would displace points of wide contacts very unequally,
+  // and the round-off of the large first steps would remain in the pressures.
   for (const std::size_t i : points) {
-    residual[i] = 1.0F;
-  }
-  std::span<const float> preconditioned = precondition(indices, residual, memory.workspace, pool);
-  const double first_sum = sum_over_points([&](std::size_t i, Sums& sums) {
-                             sums.pressure += static_cast<double>(preconditioned[i]);
-                           }).pressure;
-  for (const std::size_t i : points) {
-    pressure[i] = first_sum > 0.0 ? static_cast<double>(preconditioned[i]) / first_sum : 1.0 / count;
+    pressure[i] = 1.0 / count;
     direction[i] = static_cast<float>(pressure[i]);
   }
   displace();
@@ -569,7 +561,7 @@ std::optional<LinearResponse> respond_on_area(const HalfSpaceGrids& grids, const
     if (!(relative_error > sign_tolerance)) {
       break;
     }
-    preconditioned = precondition(indices, residual, memory.workspace, pool);
+    const std::span<const float> preconditioned = precondition(indices, residual, memory.workspace, pool);
     const Sums before = sum_over_points([&](std::size_t i, Sums& sums) {
       const auto value = static_cast<double>(preconditioned[i]);
       sums.preconditioned += value;
@@ -578,7 +570,7 @@ std::optional<LinearResponse> respond_on_area(const HalfSpaceGrids& grids, const
     });
     const double shift = before.preconditioned / count;
     const double beta = iteration == 0 ? 0.0 : std::max((shift * before.response - before.product) / curvature, 0.0);
-    // Round-off of the directions must not change the total load.
+    // The pressures of a direction add up to 0, so that the total load remains 1.
     for (const std::size_t i : points) {
       const double previous = iteration == 0 ? 0.0 : static_cast<double>(direction[i]);
       direction[i] = static_cast<float>(static_cast<double>(preconditioned[i]) - shift + beta * previous);
@@ -586,7 +578,6 @@ std::optional<LinearResponse> respond_on_area(const HalfSpaceGrids& grids, const
     displace();
     const Sums step = sum_over_points([&](std::size_t i, Sums& sums) {
       const auto change = static_cast<double>(direction[i]);
-      sums.pressure += change;
       sums.product += change * static_cast<double>(residual[i]);
       sums.curvature += change * static_cast<double>(response[i]);
     });

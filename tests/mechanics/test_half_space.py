@@ -374,6 +374,28 @@ def test_contact_stiffness_agrees_with_a_dense_matrix_calculation(shape, boundar
         assert curve.stiffness[0] < 0.95 * curve.unloading_stiffness[0]
 
 
+@pytest.mark.parametrize(
+    ("periodic", "in_contact"),
+    [
+        (True, np.random.default_rng(1).random((48, 40)) < 0.7),
+        (False, np.random.default_rng(1).random((48, 40)) < 0.7),
+        (True, np.arange(48)[:, np.newaxis] + np.zeros(40) > 0),
+    ],
+    ids=["scattered points, periodic", "scattered points, free", "all rows except the first, periodic"],
+)
+def test_response_of_wide_contacts_agrees_with_a_dense_matrix_calculation(periodic, in_contact):
+    """The contacts have so many points that the response is computed by iteration."""
+    shape, spacing = in_contact.shape, np.array([0.1, 0.1])
+    grids = _core.HalfSpaceGrids(shape, spacing, effective_modulus=EFFECTIVE_MODULUS, periodic=periodic)
+    pressure, compliance = grids.linear_response(in_contact)
+    matrix = dense_half_space.influence_matrix(shape, spacing, EFFECTIVE_MODULUS, periodic=periodic)
+    indices = np.flatnonzero(in_contact)
+    exact_pressure = np.linalg.solve(matrix[np.ix_(indices, indices)], np.ones(indices.size))
+    assert compliance == pytest.approx(1 / exact_pressure.sum(), rel=STIFFNESS_TOLERANCE)
+    assert np.sum(pressure) == pytest.approx(1, abs=1e-7)
+    assert np.ravel(pressure)[indices] == pytest.approx(exact_pressure / exact_pressure.sum(), rel=0.02)
+
+
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize("pressed", [0.002, 0.05, 0.5])
 def test_half_space_pressure_agrees_with_the_tamaas_library(pressed, boundary):
