@@ -214,7 +214,7 @@ class PublicNameLinkTransform(SphinxPostTransform):
             link += literal
 
 
-UNIT_PATTERN = r"(?:[kMGnµm]?(?:m|N|Pa|J|s)\b|[µn]m[²³]|HV\b|[kMG]i?B\b|°|%)"
+UNIT_PATTERN = r"(?:[kMGnµμm]?(?:m|N|Pa|J|s)\b|[nµμmc]?m[²³]|(?:cm|h|min|HV|HRC|[kMG]i?B)\b|°|%)"
 DIGIT_GROUP_PATTERN = r"(?:(?<=\b\d)|(?<=\b\d\d)|(?<=\b\d\d\d)) (?=\d\d\d\b)"
 NUMBER_SPACE_PATTERN = re.compile(rf"(?<=\d) (?={UNIT_PATTERN})|{DIGIT_GROUP_PATTERN}")
 """Spaces inside a number and in front of its unit, at which a line must not be broken."""

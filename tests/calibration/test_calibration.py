@@ -293,6 +293,26 @@ def test_range_of_a_hardness_that_is_exact_in_the_tests_applies_in_full_and_has_
         assert np.ptp(law.predict(target, "20 MPa")[1:]) > 1.3 * np.ptp(exact_interval[1:])
 
 
+@pytest.mark.parametrize(("tested_load", "direction"), [("20 MPa", "low"), ("400 MPa", "high")])
+def test_size_effect_of_a_tested_pair_has_a_caveat_only_at_other_loads_than_those_of_the_tests(
+    tested_load, direction, tmp_path
+) -> None:
+    options = PAIR_OPTIONS | {"hardness": "0.5 GPa", "yield_exponent": 1.15, "load": "20 MPa, 400 MPa"}
+    test = FrictionTest(pair(*rough_surface_pair(0.05), **options), tested_load, coefficient=0.25, uncertainty=0.002)
+    law = calibrate([test], common=0.0, sliding="all", mu0=0.0)
+    write_interface(law, tmp_path / "film")
+    assert read_interface(tmp_path / "film").tested_loads == law.tested_loads == (test.load, test.load)
+    result = pair(*rough_surface_pair(0.05), **options | {"mu0": None, "tau0": None, "interface": tmp_path / "film"})
+    texts = [
+        [caveat.text for caveat in point.caveats if "small contacts of metals" in caveat.text]
+        for point in result.summary().points
+    ]
+    tested_texts, other_texts = texts if tested_load == "20 MPa" else texts[::-1]
+    assert not tested_texts
+    (text,) = other_texts
+    assert f"({tested_load})), so the coefficient may be too {direction}" in text
+
+
 @pytest.mark.parametrize(("tested_indent", "indent"), [(None, None), ("2 um", "2 um"), ("2 um", None), (None, "2 um")])
 def test_size_effect_has_a_caveat_only_if_it_differs_between_the_pair_and_tests_of_the_pair(
     tested_indent, indent, tmp_path

@@ -1064,7 +1064,7 @@ def test_inputs_in_the_output_name_the_material_whose_hardness_comes_from_the_ta
     completed = check_stiction(
         "pair", *MAP_ARGUMENTS, *options, cwd=scans_directory, without_figures=True, without_report=True
     )
-    assert ("from the table for brass" in " ".join(completed.stdout.split())) != is_given
+    assert ("as in the table for brass" in " ".join(completed.stdout.split())) != is_given
 
 
 def test_pair_command_reports_onset_of_sliding(directory_options_and_record):

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from stiction import Result, pair
 from stiction._number_format import format_with_unit
-from stiction.mechanics.friction import FrictionLaw
+from stiction.mechanics.friction import STATUS_BULK_SHEAR, FrictionLaw
 from stiction.mechanics.hardness import estimate_indentation_depth, size_effect_factor
+from stiction.summary.assessment import SizeEffect, estimate_size_effect
 from stiction.views.sentence import inputs_text
 from support.rough_surfaces import rough_maps
 
@@ -146,6 +147,23 @@ def test_true_area_has_a_note_if_the_size_effect_is_larger_than_its_interval(tau
     harder = press_metals(tau0=tau0, hardness=float(0.5 * size_effect_factor(0.5, depth)))
     expected = 1 - get_mean(harder, "contact_area") / get_mean(exact, "contact_area")
     assert reduction == pytest.approx(expected, abs=0.05)
+
+
+def test_note_on_the_true_area_names_the_load_and_never_states_a_hardness_ratio_of_one():
+    text = " ".join(str(press_metals(load="10 MPa, 20 MPa")).split())
+    assert "does not include the size effect at " in text
+    assert "10 MPa): small contacts may be 2." in text
+    assert SizeEffect(20.0, 1.0).hardness_text == "1.24 % harder than large ones"
+    assert SizeEffect(1.0, 1.0).hardness_text == "1.2 times as hard as large ones"
+
+
+def test_size_effect_on_the_lower_limit_of_a_coefficient_is_at_most_the_reduction_of_the_true_area():
+    point = press_metals(hardness=0.01, load="5 MPa", tau0="100 MPa").summary().first
+    assert point.rules[0].status == STATUS_BULK_SHEAR
+    (text,) = (caveat.text for caveat in point.caveats if "as hard as large ones" in caveat.text)
+    effect = float(text.split("the coefficient ")[1].removesuffix(" % lower")) / 100
+    size_effect = estimate_size_effect(point.values, point.study)
+    assert 0 < effect == pytest.approx(size_effect.area_reduction, rel=0.02)
 
 
 def test_very_hard_metal_has_a_caveat_if_an_indentation_is_given():

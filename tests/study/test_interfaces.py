@@ -499,7 +499,7 @@ def test_interface_entry_that_a_file_cannot_represent_is_rejected_on_writing(tmp
     "key",
     [
         "sliding", "area_per_load", "variation", "separated", "common error of the tests", "rows with mu0 = 0",
-        "rows with tau0 = 0", "do not quote", "quote with care",
+        "rows with tau0 = 0", "exact inputs of the tests", "do not quote", "quote with care",
     ],
 )  # fmt: skip
 def test_message_about_a_reserved_key_of_an_interface_file_quotes_all_reserved_keys(tmp_path, key):

@@ -161,7 +161,7 @@ def calibrate(
         (float(ratio), float(test.coefficient or 0.0), float(test.uncertainty or math.nan), test.slid)
         for ratio, test in zip(area_per_load_of_tests, tests, strict=True)
     ]
-    tested_hardness = find_tested_hardness(tests)
+    tested_hardness, loads = find_tested_hardness(tests), [float(test.load) for test in tests]
     advice = () if is_separated else first_problem.suggest_tests(mean_area_per_load, tested_hardness)
     header_entries = {"kind": "measured"} | (
         {HARDNESS_HEADER_ENTRY: first_problem.shared_hardness.text} if first_problem.shared_hardness else {}
@@ -179,6 +179,7 @@ def calibrate(
         pair_faults=find_pair_faults(tests, *round_median_strength(interface)),
         exact_inputs=first_problem.exact_inputs,
         tested_hardness=tested_hardness,
+        tested_loads=(min(loads), max(loads)),
     )
     interface = interface.with_caveats(FAULTS_HEADER_ENTRY, [": ".join(fault) for fault in interface.pair_faults])
     is_excluded = fits[0].probability < EXCLUSION_P_VALUE_LIMIT and fits[0].scale > MAX_ERROR_SCALE

@@ -230,8 +230,12 @@ def find_material_of_hardness(hardness: UncertainInput, materials: tuple[Materia
     softer_material = softest_material(*materials)
     if softer_material is None or softer_material.hardness is None:
         return None
-    is_from_table = (hardness.low, hardness.high) == (softer_material.hardness.low, softer_material.hardness.high)
-    return softer_material if is_from_table or len(set(materials)) == 1 else None
+    return softer_material if has_hardness_of_table(hardness, softer_material) or len(set(materials)) == 1 else None
+
+
+def has_hardness_of_table(hardness: UncertainInput, body: Material) -> bool:
+    """Return whether a hardness has the same limits as the hardness of a material in the table of materials."""
+    return body.hardness is not None and (hardness.low, hardness.high) == (body.hardness.low, body.hardness.high)
 
 
 def _build_input(name: str, label: str, value: InputValue) -> StudyInput:

@@ -89,9 +89,15 @@ EXACT_INPUTS_HEADER_ENTRY = "exact inputs of the tests"
 The entry is missing if no input is exact, and in older files.
 """
 
+TESTED_LOADS_HEADER_ENTRY = "loads of the tests (mN)"
+"""Header entry of an interface file with the lowest and the highest load of the tests.
+
+Older files do not contain this entry.
+"""
+
 RESERVED_HEADER_ENTRIES = (
     "sliding", *_NUMERIC_HEADER_ENTRIES, "separated", COMMON_ERROR_HEADER_ENTRY, *BOUND_HEADER_ENTRIES.values(),
-    EXACT_INPUTS_HEADER_ENTRY,
+    EXACT_INPUTS_HEADER_ENTRY, TESTED_LOADS_HEADER_ENTRY,
 )  # fmt: skip
 """Header entries that `write_interface` derives from the interface, so that `about` must not contain them."""
 
@@ -212,6 +218,8 @@ class InterfaceStrength:
     tested_hardness : float
         Lowest hardness (GPa) of the tested pairs or, if no pair has one, of the named materials of the tested balls.
         NaN if it is unknown, and for an interface from a file.
+    tested_loads : tuple of float, mN
+        Lowest and highest load of the tests; empty for a published interface or an older file.
     """
 
     fits: tuple[StrengthFit, ...]
@@ -225,6 +233,7 @@ class InterfaceStrength:
     pair_faults: tuple[tuple[str, str], ...] = ()
     exact_inputs: tuple[tuple[str, float], ...] = ()
     tested_hardness: float = math.nan
+    tested_loads: tuple[float, ...] = ()
 
     @classmethod
     def read(cls, path: str | Path) -> Self:
@@ -271,6 +280,10 @@ class InterfaceStrength:
                     item.partition(" ") for item in header.pop(EXACT_INPUTS_HEADER_ENTRY, "").split(", ") if item
                 )
             )
+            loads_text = header.pop(TESTED_LOADS_HEADER_ENTRY, "")
+            tested_loads = tuple(float(load) for load in loads_text.split(", ") if load)
+            if not all(0 < load < math.inf for load in tested_loads):
+                raise ValueError
             check_choice("sliding", sliding, SlidingRule)
             parse_study_input("junction_growth", header.get(JUNCTION_GROWTH_HEADER_ENTRY, "0"))
         except (ValueError, KeyError, csv.Error, StopIteration):
@@ -303,7 +316,10 @@ class InterfaceStrength:
             if bound_row_counts
             else _estimate_fits_at_bounds(fit),
         )
-        return cls((fit,), area_per_load, variation, separated, about=header, common=common, exact_inputs=exact_inputs)
+        return cls(
+            (fit,), area_per_load, variation, separated, about=header, common=common, exact_inputs=exact_inputs,
+            tested_loads=tested_loads,
+        )  # fmt: skip
 
     @classmethod
     def named(cls, name_or_path: str | Path) -> Self:
@@ -614,6 +630,8 @@ def _format_interface(interface: InterfaceStrength, about: Mapping[str, str]) ->
         header[COMMON_ERROR_HEADER_ENTRY] = repr(interface.common)
     if interface.exact_inputs:
         header[EXACT_INPUTS_HEADER_ENTRY] = ", ".join(f"{name} {value!r}" for name, value in interface.exact_inputs)
+    if interface.tested_loads:
+        header[TESTED_LOADS_HEADER_ENTRY] = ", ".join(map(repr, interface.tested_loads))
     fits_at_bounds = interface.fits[0].fits_at_bounds
     header |= {BOUND_HEADER_ENTRIES[name]: str(fit.mu0.size) for name, fit in fits_at_bounds.items()}
     reserved_keys = (*RESERVED_HEADER_ENTRIES, FAULTS_HEADER_ENTRY, CAUTIONS_HEADER_ENTRY)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stiction._number_format import format_number, format_percent, format_significant, format_with_unit
+from stiction._number_format import format_load, format_number, format_percent, format_significant, format_with_unit
 from stiction.calibration.friction_tests import NEGLIGIBLE_GROWTH_EFFECT
 from stiction.evaluate.budget import is_tested_pair
 from stiction.evaluate.intervals import MIN_NEIGHBOURING_POSITIONS, MIN_SAMPLE_SIZE
@@ -29,6 +29,7 @@ from stiction.evaluate.point import (
     is_unloaded,
     mean_contact_pressure,
     mean_over_directions,
+    nominal_pressure_at,
     read_number,
 )
 from stiction.mechanics import friction
@@ -90,6 +91,8 @@ MIN_LOAD_FRACTION_AT_HARDNESS = 0.1
 
 TYPICAL_SIZE_EFFECT_LENGTH = 0.5
 """Typical length h* (µm) of the indentation size effect, for hardnesses measured at an unknown depth."""
+MIN_HARDNESS_RATIO_IN_TEXT = 1.05
+"""Ratio of two hardnesses below which a text states their difference in percent; it would be rounded to 1.0."""
 
 MIN_MODULUS_TO_HARDNESS_RATIO = 25.0
 """Smallest ratio of E* to the hardness for which the assumed range of h* holds for metals; h* falls as (G/H)²."""
@@ -621,15 +624,38 @@ class SizeEffect(NamedTuple):
     ----------
     depth : float, µm
         Depth of the indentation that corresponds to the contacts.
-    hardness_ratio : float
-        Hardness of the contacts divided by the hardness of large indentations.
-    area_reduction : float
-        Relative reduction of the true area through the size effect.
+    load_share_at_hardness : float
+        Fraction of the load on contacts that yield.
     """
 
     depth: float
-    hardness_ratio: float
-    area_reduction: float
+    load_share_at_hardness: float
+
+    @property
+    def hardness_ratio(self) -> float:
+        """Hardness of the contacts divided by the hardness of large indentations."""
+        return float(size_effect_factor(TYPICAL_SIZE_EFFECT_LENGTH, self.depth))
+
+    @property
+    def area_reduction(self) -> float:
+        """Relative reduction of the true area through the size effect."""
+        return self.load_share_at_hardness * (1 - 1 / self.hardness_ratio)
+
+    @property
+    def hardness_text(self) -> str:
+        """Comparison of the hardnesses of small and large contacts, as in "2.2 times as hard as large ones"."""
+        ratio = self.hardness_ratio
+        if ratio < MIN_HARDNESS_RATIO_IN_TEXT:
+            return f"{format_percent(ratio - 1)} harder than large ones"
+        return f"{ratio:.1f} times as hard as large ones"
+
+    def at_load_ratio(self, load_ratio: float) -> SizeEffect:
+        """Estimate the size effect at another load, whose ratio to the present load is given.
+
+        The number of contacts and the fraction of the load on contacts that yield are taken as constant. The true area
+        is then proportional to the load, so that the depth is proportional to the square root of the load.
+        """
+        return self._replace(depth=self.depth * math.sqrt(load_ratio))
 
 
 def estimate_size_effect(point: xarray.Dataset, study: Study) -> SizeEffect | None:
@@ -644,8 +670,7 @@ def estimate_size_effect(point: xarray.Dataset, study: Study) -> SizeEffect | No
     names = ("contact_area", "contact_count", "rms_gradient", "load_share_at_hardness")
     area, count, slope, plastic_fraction = (mean_over_directions(point, name) for name in names)
     depth = float(estimate_indentation_depth(area, count, slope, are_lines=not study.is_areal))
-    ratio = float(size_effect_factor(TYPICAL_SIZE_EFFECT_LENGTH, depth))
-    return SizeEffect(depth, ratio, plastic_fraction * (1 - 1 / ratio))
+    return SizeEffect(depth, plastic_fraction)
 
 
 def _find_size_effect_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:
@@ -665,28 +690,58 @@ def _find_size_effect_caveats(point: xarray.Dataset, study: Study, value: Slidin
     area = mean_over_directions(point, "contact_area")
     law = Inputs.from_study(study).friction_law(0.0, read_number(point, "tau0"))
     _, adhesive = law.contributions(0.0, area / read_number(point, "load"))
-    # The coefficient is 0 if mu0 and tau0 are 0.
-    effect = size_effect.area_reduction * adhesive / value.value if adhesive > 0 else 0.0
-    if not effect > NEGLIGIBLE_GROWTH_EFFECT or _cancels_size_effect(study):
+    # The coefficient is 0 if mu0 and tau0 are 0. A coefficient that is only a lower limit may be less than tau0 A/F.
+    adhesive_share = min(adhesive / value.value, 1.0) if adhesive > 0 else 0.0
+    if loads := _find_loads_of_tested_pair(study):
+        yield from _find_size_effect_change(point, study, size_effect, adhesive_share, loads)
         return
-    depth_text = format_with_unit(size_effect.depth, "um")
+    effect = size_effect.area_reduction * adhesive_share
+    if not effect > NEGLIGIBLE_GROWTH_EFFECT:
+        return
     text = (
-        f"small contacts of metals are harder: like indentations {depth_text} deep, they may be "
-        f"{size_effect.hardness_ratio:.1f} times as hard as large ones, and the coefficient {format_percent(effect)} "
-        "lower"
+        f"small contacts of metals are harder: like indentations {format_with_unit(size_effect.depth, 'um')} deep, "
+        f"they may be {size_effect.hardness_text}, and the coefficient {format_percent(effect)} lower"
     )
     yield Caveat(text, "give the depth of the indentation with --indent", "caution")
 
 
-def _cancels_size_effect(study: Study) -> bool:
-    """Return whether the interface was fitted to tests of this pair alone, so that the size effect cancels.
+def _find_loads_of_tested_pair(study: Study) -> tuple[float, ...]:
+    """Return the lowest and the highest load (mN) of the tests if the interface was fitted to tests of this pair alone.
 
-    If the true area is too large by a factor in tests and pair, the fitted tau0 is too small by the same factor. The
-    pair must have been tested with the same hardness and without a depth of its indentation, as `is_tested_pair`
-    ensures. A ball would have another true area per load than a pair whose contacts yield.
+    Returns an empty tuple for other interfaces, and for interface files without these loads. The pair must have been
+    tested with the same hardness and without a depth of its indentation, as `is_tested_pair` ensures. A ball would have
+    another true area per load than a pair whose contacts yield.
     """
     strength = Inputs.from_study(study).strength
-    return strength is not None and is_tested_pair(study, strength) and strength.variation < MIN_AREA_VARIATION
+    if strength is None or not (is_tested_pair(study, strength) and strength.variation < MIN_AREA_VARIATION):
+        return ()
+    return strength.tested_loads
+
+
+def _find_size_effect_change(
+    point: xarray.Dataset, study: Study, size_effect: SizeEffect, adhesive_share: float, loads: Sequence[float]
+) -> Iterator[Caveat]:
+    """Yield a caveat if the size effect at a result point differs from the size effect in the tests of the same pair.
+
+    If the true area is too large by a factor in the tests, the fitted tau0 is too small by this factor. The size effect
+    therefore cancels if the factor is the same at the result point. `loads` are the lowest and the highest load (mN) of
+    the tests, and `adhesive_share` is the share of tau0 in the coefficient.
+    """
+    load = read_number(point, "load")
+    area_changes = (
+        (1 - size_effect.area_reduction) / (1 - size_effect.at_load_ratio(tested_load / load).area_reduction) - 1
+        for tested_load in loads
+    )
+    change = adhesive_share * max(area_changes, key=abs)
+    if not abs(change) > NEGLIGIBLE_GROWTH_EFFECT:
+        return
+    pressure_per_load = nominal_pressure_at(point, study) / load
+    load_texts = dict.fromkeys(format_load(tested_load, tested_load * pressure_per_load) for tested_load in loads)
+    text = (
+        "small contacts of metals are harder; this effect depends on the load and cancels only near the load of the "
+        f"tests ({' to '.join(load_texts)}), so the coefficient may be too {'low' if change > 0 else 'high'}"
+    )
+    yield Caveat(text, "give --indent for the tests and for the pair, and run stiction calibrate again", "caution")
 
 
 def _find_area_loss_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient) -> Iterator[Caveat]:

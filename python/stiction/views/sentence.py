@@ -10,8 +10,9 @@ from stiction._estimate import Estimate
 from stiction._number_format import format_percent, format_significant, format_time, format_with_unit
 from stiction.evaluate.point import get_contact_law_name, has_limited_pressure
 from stiction.mechanics.closed_forms import DEFAULT_KAPPA
+from stiction.mechanics.materials import softest_material
 from stiction.study.input_distributions import SLIP_LINE_TEXT, UncertainInput
-from stiction.study.inputs import Inputs, find_interface, find_material_of_hardness, find_materials
+from stiction.study.inputs import Inputs, find_interface, find_materials, has_hardness_of_table
 from stiction.study.member_names import POSITION_NAMES, SURROGATE_PAIR_NAMES
 from stiction.study.moduli import find_default_area_loss
 from stiction.summary.assessment import estimate_size_effect
@@ -258,13 +259,14 @@ def possible_zeros_text(interface: InterfaceStrength, conjunction: str) -> str:
 
 
 def _hardness_source_text(study: Study) -> str:
-    """Return the material whose hardness in the table of materials is used, or "" if the user gives a hardness."""
-    hardness = Inputs.from_study(study).estimate("hardness")
-    softer_material = None if hardness is None else find_material_of_hardness(hardness, find_materials(study))
-    if hardness is None or softer_material is None or softer_material.hardness is None:
+    """Return text that the hardness is that of a material in the table of materials, or "" for another hardness.
+
+    The user may have given the range of the table.
+    """
+    hardness, softer_material = Inputs.from_study(study).estimate("hardness"), softest_material(*find_materials(study))
+    if hardness is None or softer_material is None or not has_hardness_of_table(hardness, softer_material):
         return ""
-    is_from_table = (hardness.low, hardness.high) == (softer_material.hardness.low, softer_material.hardness.high)
-    return f" from the table for {softer_material.name}" if is_from_table else ""
+    return f" as in the table for {softer_material.name}"
 
 
 def _hardness_range_text(study: Study) -> str:
@@ -431,16 +433,18 @@ def small_slope_estimate_text(point: PointSummary) -> str:
 def area_size_effect_text(points: Sequence[PointSummary]) -> str:
     """Return a sentence on the first result point whose true area the size effect may reduce below the interval.
 
-    The text is empty if the size effect is smaller than the intervals, or if a study includes it.
+    The sentence names the load if there are several result points. The text is empty if the size effect is smaller than
+    the intervals, or if a study includes it.
     """
     for point in points:
         area, size_effect = point.quantities.get("contact_area"), estimate_size_effect(point.values, point.study)
         if size_effect is None or area is None:
             continue
         if area.value * (1 - size_effect.area_reduction) < area.lower:
+            load_text = f" at {point_load_text(point)}" if len(points) > 1 else ""
             return (
-                "The interval of the true area does not include the size effect: small contacts may be "
-                f"{size_effect.hardness_ratio:.1f} times as hard as large ones, and the true area "
+                f"The interval of the true area does not include the size effect{load_text}: small contacts may be "
+                f"{size_effect.hardness_text}, and the true area "
                 f"{format_percent(size_effect.area_reduction)} smaller (--indent)."
             )
     return ""
