@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 import xarray
 from stiction import half_space, pair
+from stiction.evaluate.at_load import at_load
 from stiction.evaluate.budget import _iterate_intervals
 from stiction.evaluate.contact_area import AreaFunction, build_area_functions, iterate_pieces_with_true_areas
+from stiction.evaluate.intervals import student_quantile
 from stiction.mechanics.hardness import yielded_area
 from stiction.solve import member_solution
 from stiction.solve.member_sums import MemberSums
@@ -306,6 +308,31 @@ def test_unloading_stiffness_of_yielding_maps_exceeds_loading_stiffness_if_later
         )
         member_ratios = stored_unloading / stored_loading
         assert 1 <= float(member_ratios.min()) <= ratio <= float(member_ratios.max())
+
+
+def test_interval_of_unloading_stiffness_includes_the_scatter_of_the_ratio_by_which_it_was_estimated():
+    maps = rough_maps(5, hurst_exponent=0.8, rms=0.3, points=32, spacing=1.0)
+    options = {"load": "20 kPa", "mu0": 0.1, "onset": 0, "cutoff": "none", "shifts": 8}
+    result = pair(*maps, **options, effective_modulus="2 MPa", hardness="0.2 MPa")
+    dataset, complete_dataset, relative_errors = result.dataset, result.dataset, {}
+    for unloading, loading in UNLOADING_AND_LOADING_STIFFNESSES[:2]:
+        compliance_ratios = dataset[loading] / dataset[unloading]
+        known_count = int(compliance_ratios.isel(load=1).notnull().sum())
+        mean_ratio = compliance_ratios.mean("repetition")
+        standard_error = compliance_ratios.std("repetition", ddof=1) / known_count**0.5
+        relative_error = student_quantile(known_count - 1) * standard_error / mean_ratio
+        relative_errors[unloading] = float(relative_error.isel(load=1).squeeze())
+        estimates = dataset[unloading].fillna(dataset[loading] / mean_ratio)
+        complete_dataset = complete_dataset.assign({unloading: estimates})
+    load = result.study.friction.load
+    table, complete_table = (at_load(each, load).squeeze() for each in (dataset, complete_dataset))
+    for name, relative_error in relative_errors.items():
+        assert relative_error > 0.01
+        mean, *limits = table[name].values
+        complete_mean, *complete_limits = complete_table[name].values
+        assert mean == pytest.approx(complete_mean, rel=1e-12)
+        expected = np.hypot(np.log(np.array(complete_limits) / mean), relative_error)
+        assert np.abs(np.log(np.array(limits) / mean)) == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.mark.parametrize(("load", "has_caveat"), [(LOAD, True), (0.5, False)])

@@ -64,12 +64,12 @@ def average_members(
     import xarray
 
     dependence = MemberDependence.from_coordinates(study, members)
-    members = estimate_missing_unloading_stiffnesses(members)
+    members, ratio_errors = estimate_missing_unloading_stiffnesses(members)
     if adjacent_load_values is not None:
         adjacent_load_values = replace(
             adjacent_load_values,
-            below=estimate_missing_unloading_stiffnesses(adjacent_load_values.below),
-            above=estimate_missing_unloading_stiffnesses(adjacent_load_values.above),
+            below=estimate_missing_unloading_stiffnesses(adjacent_load_values.below)[0],
+            above=estimate_missing_unloading_stiffnesses(adjacent_load_values.above)[0],
         )
 
     def average(dims: Sequence[str], get_values: Callable[[xarray.Dataset], Floats]) -> Floats:
@@ -89,7 +89,7 @@ def average_members(
     }
     nominal_area = float(members.coords.get("nominal_area", math.inf))
     find_limit = partial(find_upper_bound, nominal_area=nominal_area, uses_half_space=study.uses_half_space)
-    variables = _average_quantities(members, average, names, find_limit)
+    variables = _average_quantities(members, average, names, find_limit, ratio_errors)
     if "contact_area_fraction" in variables:
         fraction_dims, fraction, attributes = variables["contact_area_fraction"]
         area_status, fraction = _classify_area_fractions(fraction, uses_half_space=study.uses_half_space)
@@ -170,15 +170,19 @@ def average_members(
     return xarray.Dataset(variables, coordinates | {"statistic": intervals.INTERVAL_STATISTICS}, members.attrs)
 
 
-def estimate_missing_unloading_stiffnesses(members: xarray.Dataset) -> xarray.Dataset:
+def estimate_missing_unloading_stiffnesses(members: xarray.Dataset) -> tuple[xarray.Dataset, dict[str, Floats]]:
     """Estimate the unloading stiffness of each member for which only the loading stiffness was computed.
 
     The missing stiffness is the member's loading stiffness times the ratio of both stiffnesses of the other members.
     Both stiffnesses then have means over the same members: a mean over the few members with both could be below the
     mean loading stiffness, which is impossible. The ratio is the inverse of the mean ratio of compliances, because
     compliances are averaged.
+
+    The dict contains, by name of the stiffness, the half width of the 95 % interval of the ratio's logarithm. It is 0
+    where no stiffness is missing, and NaN if fewer than `MIN_SAMPLE_SIZE` members have both stiffnesses.
     """
     estimates: dict[str, Any] = {}
+    ratio_errors: dict[str, Floats] = {}
     for name, loading_name in LOADING_COUNTERPARTS.items():
         if name not in members.variables or loading_name not in members.variables:
             continue
@@ -190,21 +194,22 @@ def estimate_missing_unloading_stiffnesses(members: xarray.Dataset) -> xarray.Da
             continue
         with np.errstate(divide="ignore", invalid="ignore"):
             compliance_ratio = loading / stiffness
-            is_known = np.isfinite(compliance_ratio)
-            mean_ratio = np.where(is_known, compliance_ratio, 0.0).sum(axis=0) / is_known.sum(axis=0)
+            mean_ratio, _, upper_ratio = intervals.average_independent_values(compliance_ratio)
             estimates[name] = dims, np.where(is_missing, loading / mean_ratio, stiffness), variable.attrs
-    return members.assign(estimates)
+            ratio_errors[name] = np.where(is_missing.any(axis=0), np.log(upper_ratio / mean_ratio), 0.0)
+    return members.assign(estimates), ratio_errors
 
 
 def _average_quantities(
     members: xarray.Dataset, average: Callable[[Sequence[str], Callable[[xarray.Dataset], Floats]], Floats],
-    names: Collection[str] | None, find_limit: Callable[[str], float],
+    names: Collection[str] | None, find_limit: Callable[[str], float], ratio_errors: Mapping[str, Floats],
 ) -> dict[str, Any]:  # fmt: skip
     """Return the means of all quantities over the members.
 
     Loads are averaged only if `names` includes them.
 
-    `find_limit` returns the largest upper limit of the interval of a quantity.
+    `find_limit` returns the largest upper limit of the interval of a quantity. `ratio_errors` widens the intervals of
+    stiffnesses that were estimated for some members.
     """
     variables: dict[str, Any] = {}
     for name in map(str, members.data_vars):
@@ -217,6 +222,8 @@ def _average_quantities(
         means = average(dims, get_values)
         if name in STIFFNESS_QUANTITIES:
             means = _average_compliances(partial(average, dims), get_values, means)
+        if name in ratio_errors:
+            means = _include_ratio_error(means, ratio_errors[name])
         limit = find_limit(name)
         means = np.where(means > limit, np.maximum(limit, means[..., :1]), means)
         variables[name] = (*dims, "statistic"), means, values.attrs
@@ -237,6 +244,24 @@ def _average_compliances(
         limits = [1 / compliance, 1 / upper, np.where(lower > 0, 1 / lower, np.where(np.isnan(lower), np.nan, np.inf))]
     is_positive = (compliance > 0) & (mean_stiffnesses[..., 0] > 0)
     return np.where(is_positive[..., np.newaxis], np.stack(limits, axis=-1), mean_stiffnesses)
+
+
+def _include_ratio_error(means: Floats, ratio_error: Floats) -> Floats:
+    """Widen the intervals of mean stiffnesses to include the error of a ratio by which stiffnesses were estimated.
+
+    Both half widths are combined in quadrature, as logarithms where the interval is positive.
+    """
+    mean, lower, upper = np.moveaxis(means, -1, 0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        limits = [
+            np.where(
+                (mean > 0) & (lower >= 0),
+                mean * np.exp(sign * np.hypot(np.log(limit / mean), ratio_error)),
+                mean + sign * np.hypot(limit - mean, mean * ratio_error),
+            )
+            for sign, limit in ((-1, lower), (1, upper))
+        ]
+    return np.where(ratio_error[..., np.newaxis] == 0, means, np.stack([mean, *limits], axis=-1))
 
 
 def _get_member_values(members: xarray.Dataset, name: str, dims: Sequence[str]) -> Floats:

@@ -647,7 +647,10 @@ LOADING_COUNTERPARTS = {
     "unloading_closure_stiffness": "closure_stiffness",
     "tangential_stiffness_per_area": "closure_stiffness",
 }
-"""Names of the stiffnesses while unloading, each with the stiffness while loading. The ratio varies little."""
+"""Names of the stiffnesses while unloading, each with the stiffness while loading.
+
+The ratio of both stiffnesses is 1 for elastic contacts. For contacts that yield, it differs between members.
+"""
 
 UNCERTAINTY_QUANTITIES = select_quantity_names(lambda quantity: quantity.kind == "uncertainty" and quantity.is_directed)
 """Names of the uncertainties of the friction coefficient averaged over all directions."""
