@@ -521,6 +521,28 @@ def test_card_of_a_pair_with_several_loads_needs_a_load(tmp_path):
     assert "(tangential stiffness) at 0.02 MPa" in (tmp_path / "card.inp").read_text()
 
 
+def test_card_of_a_load_of_zero_needs_an_adhesive_pair_that_was_computed_at_zero(tmp_path):
+    adhesion = {"work_of_adhesion": "50 mJ/m^2", "adhesion_range": "5 nm"}
+    unloaded_result = small_pair(mu0=0.1, shifts=3, load=["0", "20 kPa"], **adhesion)
+    negligible_load = float(unloaded_result.at([0.0])["load"][0])
+    assert unloaded_result.joint_table(reference_load="0 mN").reference.load == negligible_load > 0
+    cards = [export_text(unloaded_result, tmp_path / "card.inp", load=load) for load in ("0 mN", negligible_load)]
+    assert cards[0] == cards[1]
+    for options, message in (
+        (adhesion, "the closure of the pair is unknown at .* Pa; compute the pair at this load"),
+        ({}, "loads must be above 0 mN"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            small_pair(mu0=0.1, shifts=3, **options).export(tmp_path / "new.inp", load="0 mN")
+    assert not (tmp_path / "new.inp").exists()
+
+
+def test_card_rejects_an_empty_list_of_loads(result, tmp_path):
+    for extension in ("inp", "mac"):
+        with pytest.raises(ValueError, match=r"^load must have at least one value, got \[\]$"):
+            result.export(tmp_path / f"card.{extension}", load=[])
+
+
 def test_export_command_computes_results_at_given_loads_outside_the_range_of_the_study(result, directory):
     check_stiction("export", "pair", "given.csv", "--joint", "--load", "20 MPa,900 MPa", "--compute", cwd=directory)
     table = pandas.read_csv(directory / "given.csv")

@@ -30,7 +30,7 @@ from stiction.companions.resolution import evaluate_at_cutoffs
 from stiction.evaluate.at_load import at_load
 from stiction.evaluate.budget import add_uncertainty, evaluate_alternatives
 from stiction.evaluate.computed_loads import find_loads_without_values
-from stiction.evaluate.load_range import choose_default_loads, choose_loads_in_range
+from stiction.evaluate.load_range import choose_default_loads, choose_loads_in_range, replace_zero_load
 from stiction.evaluate.maps import iterate_solved_pieces, warn_if_given_tau0_is_large
 from stiction.evaluate.member_values import member_values
 from stiction.mechanics.quantities import QUANTITIES
@@ -426,7 +426,8 @@ class Evaluation(MemberSums):
             start_load = parse_closure_start(closure_from, self.study, self.nominal_area)
             loads, start_load = add_load(np.atleast_1d(loads), start_load)
         if reference_load is not None:
-            loads, reference_load = add_load(loads, float(self._to_forces(reference_load)))
+            (positive_load,) = replace_zero_load(self, np.array([self._to_forces(reference_load)], float)).tolist()
+            loads, reference_load = add_load(loads, positive_load)
             given_loads.append(reference_load)
         friction = self.study.friction
         strengths: dict[str, Any] = {

@@ -243,7 +243,8 @@ def build_joint_table(
     Raises
     ------
     ValueError
-        If no load has a closure, or if `closure_from` has no closure or no stiffness of closure.
+        If no load has a closure, if `reference_load` has none, or if `closure_from` has no closure or no stiffness of
+        closure.
     """
     parsed_units = JointUnits.parse(units)
     rule = list_rules_with_reported_first(study)[0]
@@ -278,6 +279,9 @@ def build_joint_table(
         rows.append(JointRow(load, bool(np.isin(load, steps)), estimates, assessments[load]))
     if not rows:
         raise ValueError("a joint table needs the closure of the pair, which is unknown at all loads of the table")
+    if reference_load is not None and reference_load in omitted_loads:
+        pressure = format_with_unit(reference_load / area, "GPa")
+        raise ValueError(f"the closure of the pair is unknown at {pressure}; compute the pair at this load")
     reference_load = float(study.friction.load[0]) if reference_load is None else reference_load
     reference = min(rows, key=lambda row: abs(math.log(row.load / reference_load)))
     start_pressure = parsed_units.convert(start_pressure)

@@ -13,7 +13,7 @@ from stiction._errors import ArgumentError
 from stiction._files import check_creatable, check_replaceable, create_file_atomically, replace_file_atomically
 from stiction._number_format import format_with_unit
 from stiction._text import printable_path
-from stiction._units import loads_to_core_units
+from stiction._units import loads_to_core_units, short_repr
 from stiction.summary.evaluation import Evaluation
 from stiction.summary.joint_table import DEFAULT_JOINT_UNITS, JointTable, JointUnits, UnitSystem
 from stiction.summary.summary import Summary
@@ -195,12 +195,14 @@ def choose_card_load(result: Evaluation, load: Any = None) -> float | None:
     The load is the given load or, by default, the load of the study. For generated surfaces, which have no card, the
     result is None.
 
-    Raises a `ValueError` if there are several loads.
+    Raises a `ValueError` if there are several loads or none.
     """
     area = result.nominal_area
     if area is None or not result.study.is_measured:
         return None
     given_loads = result.default_loads if load is None else loads_to_core_units("load", split_texts("load", load), area)
+    if not np.size(given_loads):
+        raise ArgumentError("{load} must have at least one value, got {got}", got=short_repr(load))
     loads = np.unique(given_loads).tolist()
     if len(loads) != 1:
         pressures = [format_with_unit(value / area, "GPa") for value in loads]
