@@ -225,10 +225,12 @@ def test_study_keeps_the_caveats_of_an_interface_whose_file_was_moved_or_deleted
         law = law.with_caveats(entry, [text])
     write_interface(law, tmp_path / "film")
     stored_result = pair(*rough_surfaces(), interface=tmp_path / "film", **PAIR_OPTIONS)
-    moved_file = (tmp_path / "film").rename(tmp_path / "moved_film")
-    for remove_moved_file in (False, True):
-        if remove_moved_file:
-            moved_file.unlink()
+    film = tmp_path / "film"
+    moved_file = film.rename(tmp_path / "moved_film")
+    for is_deleted in (False, True):
+        if is_deleted:
+            moved_file.rename(film).unlink()
+            assert not list(tmp_path.glob("*film"))
         reopened = open_result(stored_result.path)
         assert find_interface(reopened.study) is None
         assert (reopened.assessment, reopened.caveats) == (stored_result.assessment, stored_result.caveats)
