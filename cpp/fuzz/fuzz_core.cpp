@@ -26,7 +26,7 @@ void require(bool condition, const char* invariant) {
   }
 }
 
-// Most numbers decoded from the fuzzer's bytes lie in [-1, 1). The others have any magnitude or are not finite.
+// Numbers decoded from the fuzzer's bytes. Most lie in [-1, 1). The others have any magnitude or are not finite.
 class Source {
  public:
   Source(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
@@ -109,7 +109,7 @@ void fuzz_contact(Source& source) {
             "no more contacts than points");
     require(!(sums[k].contact_area < 0.0), "no negative area");
     const std::vector<stiction::Contact> table = stiction::contacts(pair, approaches[k], model);
-    // `contacts` visits candidates with gaps up to `approaches[k]`, `press` those with gaps up to the largest approach.
+    // The candidates of `contacts` have gaps up to `approaches[k]`; those of `press`, up to the largest approach.
     require(static_cast<stiction::Index>(table.size()) == sums[k].contact_count, "contacts and press agree");
     for (const stiction::Contact& contact : table) {
       require(contact.overlap > 0.0 && contact.radii.minor > 0.0, "contacts overlap and are convex together");
@@ -118,7 +118,7 @@ void fuzz_contact(Source& source) {
   }
 }
 
-// Heights have arbitrary magnitudes. Some heights are equal, and some regions are level.
+// Two height maps of arbitrary magnitude, with some equal heights and some level regions.
 struct Maps {
   stiction::Matrix upper;
   stiction::Matrix lower;

@@ -39,7 +39,7 @@ void check(const SurfacePair& pair, double deepest) {
   }
 }
 
-// `zero` is 0 if all heights of the row are finite, and NaN otherwise.
+// Range of the heights of a row. `zero` is 0 if all heights of the row are finite, and NaN otherwise.
 struct RowRange {
   double lowest;
   double highest;
@@ -86,7 +86,7 @@ void subtract(const double* upper, const double* lower, Index size, double offse
   }
 }
 
-// A grid minimum has a gap of at most `deepest`. Except for round-off, none of its eight neighbours has a smaller gap.
+// Mark grid points with a gap of at most `deepest`, and with no smaller gap, except for round-off, at eight neighbours.
 STICTION_MULTIVERSION
 void mark_grid_minima(const double* above, const double* at, const double* below, Index size, double deepest,
                       double round_off, unsigned char* marks) {
@@ -107,7 +107,7 @@ void mark_grid_minima(const double* above, const double* at, const double* below
   }
 }
 
-// A tile, which fits into the cache, is a range of map cells with the surrounding points that influence their spline.
+// Part of a map that fits into the cache: a range of cells, and the surrounding points that influence their spline.
 struct Tile {
   CellRange cells;
   Index row;  // (row, column) is the position of the tile's first point in the map
@@ -133,7 +133,7 @@ std::vector<Tile> make_tiles(Index rows, Index columns) {
   return tiles;
 }
 
-// sqrt(a² + b²) without intermediate overflow. std::hypot would require a newer C library.
+// Return sqrt(a² + b²) without overflow of a² or b². std::hypot would require a newer C library.
 double length(double a, double b) {
   const double longer = std::max(std::abs(a), std::abs(b));
   const double ratio = std::min(std::abs(a), std::abs(b)) / longer;
@@ -189,7 +189,7 @@ ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, dou
   const double q2 = 1.0 + slope.squaredNorm();
   const double q = std::sqrt(q2);
   // With q = sqrt(1 + p²), the power (I + p pᵀ)^(-1/2) of the metric is I - p pᵀ / (q (q + 1)).
-  // The matrix (a, b; b, c) is (I + p pᵀ)^(-1/2) · (Hessian matrix) · (I + p pᵀ)^(-1/2).
+  // The matrix (a, b; b, c) is (I + p pᵀ)^(-1/2) · (Hessian matrix) · (I + p pᵀ)^(-1/2) / q.
   const double factor = 1.0 / (q * (q + 1.0));
   const double r00 = 1.0 - factor * slope.x() * slope.x();
   const double r01 = -factor * slope.x() * slope.y();
@@ -205,7 +205,7 @@ ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, dou
   const double radius = length(half_difference, b);
   const double larger = 0.5 * (a + c) + radius;
   const double smaller = (xx * yy - xy * xy) / (q2 * q2) / larger;
-  // The eigenvector of the smaller eigenvalue is computed from the row of the matrix in which no cancellation occurs.
+  // The eigenvector of the smaller eigenvalue is computed from the matrix row that causes no cancellation.
   Vector2 vector =
       half_difference > 0.0 ? Vector2(-b, half_difference + radius) : Vector2(radius - half_difference, -b);
   vector = radius > 0.0 ? Vector2(vector.normalized()) : Vector2(1.0, 0.0);
@@ -247,7 +247,7 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
   std::vector<SplineMinimum> spline_minima;
   const double offset = pair.lower(0, 0);
   const double round_off = round_off_fraction * range.largest;
-  // Slopes and curvatures up to `level_limit` [µm] count as zero. The limit must not be below the round-off of heights.
+  // Slopes and curvatures up to `level_limit` [µm] count as zero. This limit exceeds the round-off of the heights.
   const double level_limit = std::max(level_fraction * (range.highest - range.lowest), 16.0 * round_off);
   for (const Tile& tile : tiles) {
     check_cancellation();
@@ -287,7 +287,7 @@ ArealCandidates candidates(const SurfacePair& pair, double deepest, Curvature cu
     }
   }
 
-  // Two neighbouring tiles may both find the same minimum at their common edge.
+  // Two neighbouring tiles may both contain the same minimum, at their common edge.
   std::stable_sort(spline_minima.begin(), spline_minima.end(),
                    [&](const SplineMinimum& a, const SplineMinimum& b) { return a.cell(columns) < b.cell(columns); });
   const auto repeated = [&](const SplineMinimum& a, const SplineMinimum& b) {

@@ -31,10 +31,10 @@ MapEdges::MapEdges(const ArealCandidates& candidates, const ArealCandidate& cand
 }
 
 // Let h be the distance of a side of the parallelogram from the centre of the unit circle.
-// The sector between the angles φ₁ and φ₂ contributes (1/2π) ∫ h²/cos²φ dφ to the area fraction inside the map.
-// The sector contributes (1/2π) ∫ 1 - (1 - h²/cos²φ)^(3/2) dφ to the force fraction, for Hertzian pressure.
+// The sector of the circle between the angles φ₁ and φ₂ adds (1/2π) ∫ h²/cos²φ dφ to the area fraction inside the map.
+// For Hertzian pressure, the sector adds (1/2π) ∫ 1 - (1 - h²/cos²φ)^(3/2) dφ to the force fraction inside the map.
 // At angles with |tan φ| > (1 - h²)^(1/2)/h, the side is outside the unit circle and cuts nothing off the circle.
-// The closed forms of the integrals avoid cancellation if little of the ellipse lies inside the map.
+// Both integrals are evaluated in closed forms that avoid cancellation if little of the ellipse lies inside the map.
 InsideFractions MapEdges::fractions_inside(double overlap) const {
   InsideFractions sum{0.0, 0.0};
   const double radius = std::sqrt(overlap);

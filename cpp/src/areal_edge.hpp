@@ -1,4 +1,4 @@
-// Part of a contact ellipse that lies inside the map.
+// Fractions of the area of a contact ellipse, and of its force, that lie inside the map.
 #pragma once
 
 #include "stiction/areal.hpp"
@@ -13,7 +13,8 @@ struct InsideFractions {
   double area;
 };
 
-// The map is a parallelogram in the coordinates in which the contact ellipse at unit overlap is the unit circle.
+// Edges of the map, in coordinates in which the contact ellipse at an overlap of 1 µm is the unit circle.
+// In these coordinates, the map is a parallelogram.
 class MapEdges {
  public:
   MapEdges(const ArealCandidates& candidates, const ArealCandidate& candidate);
@@ -23,7 +24,7 @@ class MapEdges {
  private:
   std::array<double, 4> distance_;  // distance of each side of the parallelogram from the centre of the unit circle
   std::array<std::array<double, 2>, 4>
-      // Directions from the circle's centre to both ends of a side, as tangents of their angles to the side's normal.
+      // Tangents of the angles from a side's normal to the lines between the circle's centre and the ends of the side.
       corners_;
 };
 

@@ -8,10 +8,10 @@
 namespace stiction {
 namespace {
 
-// Let r be the vector between the centres of two ellipses, and A and B the matrices of the ellipses.
-// The ellipses are separate if t (1 - t) rᵀ [(1 - t) A + t B]⁻¹ r > 1 for some t in (0, 1).
+// Two ellipses have the matrices A and B, and r is the vector between their centres.
+// The two ellipses do not overlap if t (1 - t) rᵀ [(1 - t) A + t B]⁻¹ r > 1 for some t in (0, 1).
 // Source: Perram & Wertheim, J. Comput. Phys. 58 (1985) 409.
-// Multiplied by det[(1 - t) A + t B], the condition states that a cubic polynomial is positive at its maximum.
+// Multiplied by det[(1 - t) A + t B], this inequality states that the maximum of a cubic polynomial in t is positive.
 bool ellipses_overlap(const ProjectedEllipse& a, double a_size, const ProjectedEllipse& b, double b_size,
                       const Vector2& r) {
   const auto a_form = a_size * (a.yy * r.x() * r.x() - 2.0 * a.xy * r.x() * r.y() + a.xx * r.y() * r.y());
@@ -51,7 +51,7 @@ std::size_t first_contact_step(const ArealCandidate& candidate, Values approache
                                   approaches.begin());
 }
 
-// Two ellipses that overlap at one approach overlap at all larger approaches: they grow, and their centres stay.
+// Ellipses that overlap at one approach overlap at all larger approaches, because they grow about fixed centres.
 std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, Values approaches,
                                         const CancellationCheck& check_cancellation) {
   struct Footprint {
@@ -87,7 +87,7 @@ std::vector<std::size_t> first_overlaps(const std::vector<ArealCandidate>& all, 
       const auto at = [&](std::size_t k) {
         return ellipses_overlap(left.shape, a.overlap(approaches[k]), right.shape, b.overlap(approaches[k]), apart);
       };
-      // Skip approaches at which both ellipses are already known to overlap with ellipses of other contacts.
+      // Approaches are skipped if both ellipses are already known to overlap other ellipses at these approaches.
       std::size_t begin = std::max(left.begin, right.begin);
       std::size_t end = std::max(first[left.index], first[right.index]);
       if (begin >= end || std::abs(apart.y()) > left.half_height + right.half_height || !at(end - 1)) {

@@ -29,7 +29,7 @@ ForceArea force_and_area(const HertzSphere& law, const ArealCandidate& candidate
           elastic_area(candidate.ellipse, overlap)};
 }
 
-// Yielding changes the size of the contact ellipse, but not its shape.
+// Contact area divided by the area of the elastic contact ellipse. Yielding changes the ellipse's size, not its shape.
 template <class AnyLaw>
 double relative_area(const AnyLaw&, const ArealCandidate& candidate, double overlap, double area) {
   return area / elastic_area(candidate.ellipse, overlap);
@@ -44,8 +44,8 @@ void reject_cylinders(const Law& law) {
   }
 }
 
-// In the sums, forces are multiplied by -s·n, -c·n, t_z, -s·t and -c·t, and areas by t_z, -s·t and -c·t.
-// s is the sliding direction, c the lateral direction, n the contact normal and t the direction of friction.
+// The sums over contacts contain forces times -s·n, -c·n, t_z, -s·t and -c·t, and areas times t_z, -s·t and -c·t.
+// s is the direction of sliding, c the lateral direction, n the contact normal and t the tangent of the friction force.
 constexpr std::size_t num_factors = 5;
 constexpr std::size_t num_normal_factors = 2;
 constexpr std::size_t num_directed_sums = 2 * num_factors - num_normal_factors;
@@ -72,8 +72,8 @@ void compute_factors(const Vector3& normal, const double* directions_xy, std::si
 
 constexpr std::size_t contacts_per_block = 16;
 
-// Add Σ_i factors(i, m, d) values(i, k) over the contacts i of a block to sums(d, m, k), for approaches k >= `begin`.
-// `values` are forces for the first `num_factors` sums, and areas for the others.
+// For approaches k >= `begin`, add Σ_i factors(i, m, d) values(i, k) over the contacts i of a block to sums(d, m, k).
+// values(i, k) is the force on contact i at approach k in the first `num_factors` sums, and its area in the other sums.
 // `begin` and `steps` are multiples of every SIMD width.
 template <std::size_t Width>
 STICTION_INLINE void add_block_kernel(const double* factors, const double* force, const double* area,

@@ -12,14 +12,14 @@
 namespace stiction {
 namespace {
 
-// Spline coefficients c of heights z satisfy c_(i-1) + 4 c_i + c_(i+1) = 6 z_i at inner points, and c = z at both ends.
+// Spline coefficients c for heights z: c_(i-1) + 4 c_i + c_(i+1) = 6 z_i at inner points, and c = z at both ends.
 
-// The row is multiplied by the inverse of the spline matrix, because Gaussian elimination along a row is sequential.
-// The inverse is -6 a / ((1 - a s) (1 - a / s)), where s is a shift by one point, and a = sqrt(3) - 2.
-// The factor 1 / (1 - a s) is the product of 1 + a s, 1 + a² s², 1 + a⁴ s⁴ and so on, one pass over the row each.
-// The row is continued beyond both ends by point reflection.
+// A row of heights is multiplied by the inverse spline matrix, because Gaussian elimination would be sequential.
+// The inverse spline matrix is -6 a / ((1 - a s) (1 - a / s)), where s is a shift by one point, and a = sqrt(3) - 2.
+// The factor 1 / (1 - a s) is the product of 1 + a s, 1 + a² s², 1 + a⁴ s⁴ and so on. Each needs one pass over the row.
+// A row of heights is continued beyond both its ends by point reflection.
 constexpr std::array<Index, 5> shifts{1, 2, 4, 8, 16};
-// Truncating the inverse after 32 points changes a coefficient by 0.268^32 = 5e-19 of a height.
+// Neglecting heights more than 32 points away changes a coefficient by 0.268^32 = 5e-19 of a height.
 constexpr Index reach = 32;
 
 struct PassFactors {
@@ -80,7 +80,7 @@ std::vector<double> pivots(Index points) {
   return result;
 }
 
-// The unknowns of all lines at one point are contiguous. Those of successive points are `stride` elements apart.
+// At one point, the unknowns of all lines are contiguous in memory. Successive points are `stride` elements apart.
 STICTION_MULTIVERSION
 void solve_columns(double* values, Index points, Index lines, Index stride, const double* pivot) {
   for (Index i = 1; i + 1 < points; ++i) {
@@ -117,7 +117,7 @@ void scaled_differences(const double* before, const double* after, Index size, d
   }
 }
 
-// A strip of this many columns stays in the cache during elimination and back substitution.
+// Number of columns that are solved together, small enough for the cache.
 constexpr Index columns_per_strip = 64;
 
 struct Basis {

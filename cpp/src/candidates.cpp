@@ -85,7 +85,7 @@ std::optional<Site> find_site(const SplinedProfile& upper, const SplinedProfile&
   return Site{i, *t, lower_height, (upper.height(i, *t) - lower_height) - zero};
 }
 
-// Returns false if the asperities cannot touch.
+// Returns whether the two asperities at the site can touch.
 bool set_asperity_pair(const SplinedProfile& upper, const SplinedProfile& lower, const Site& site, Curvature curvature,
                        AsperityPair& asperity_pair) {
   const Asperity upper_asperity = upper.asperity(site.index, site.offset);

@@ -1,4 +1,4 @@
-// Argument checks shared by the contact calculations of profiles and of maps.
+// Checks of arguments, shared by the contact calculations for profiles and for maps.
 #pragma once
 
 #include "stiction/array.hpp"

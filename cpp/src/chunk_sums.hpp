@@ -1,4 +1,4 @@
-// Sums over long arrays that are independent of the number of threads.
+// Summation over long arrays, with results that do not depend on the number of threads.
 #pragma once
 
 #include "stiction/thread_pool.hpp"
@@ -9,8 +9,8 @@
 
 namespace stiction {
 
-/// Return the sum of `work(first, last)` over chunks of the indices below `count`.
-/// Chunk results are added in a fixed order, whatever the number of threads, by the function `add` of `Sums`.
+/// Return the sum of `work(first, last)` over chunks of consecutive indices below `count`.
+/// `Sums::add` adds the results of all chunks, in an order that does not depend on the number of threads.
 template <class Sums, class Work>
 Sums sum_chunks(std::size_t count, std::size_t chunk_size, const ThreadPool& pool, const Work& work) {
   std::vector<Sums> chunk_sums(std::max<std::size_t>((count + chunk_size - 1) / chunk_size, 1));

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double unlimited = std::numeric_limits<double>::infinity();
 
-// Visit the approaches at which the class of the contact point is `contact` or `crossed`.
+// Call `visit` at each approach at which the contact point of the candidate has the class `contact` or `crossed`.
 template <class Visit>
 void visit_contact_points(const Candidate& candidate, Values approaches, double half_cell, const Visit& visit) {
   const auto first = std::lower_bound(approaches.begin(), approaches.end(), candidate.gap);

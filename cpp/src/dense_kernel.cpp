@@ -59,7 +59,8 @@ std::vector<Real> DenseKernel::matrix() const {
 template std::vector<double> DenseKernel::matrix<double>() const;
 template std::vector<float> DenseKernel::matrix<float>() const;
 
-// As the matrix is symmetric, displacements are the sum of (pressure · row). Rows with zero pressure are skipped.
+// The displacements are Σ pressure_i · (row i of the matrix), because the matrix is symmetric.
+// Row i of the matrix is skipped if the pressure at point i is zero.
 template <class Real, class Row>
 void DenseKernel::add_rows(std::span<const Real> pressure, Row row, std::span<Real> displacements) const {
   std::vector<Real> sums(points_.size(), Real{0});

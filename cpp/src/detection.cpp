@@ -150,7 +150,7 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
     const double lower_slope = derivatives.lower_slope[i];
     const double gap = (upper[i] - lower[i]) - zero;
     // With q² = 1 + f'², the osculating sphere has its centre at the offset (-f', 1) q²/f'' from the profile.
-    // The sphere's radius is q·scale, where scale is q²/f'' for the upper profile and -q²/f'' for the lower profile.
+    // The osculating sphere has the radius q·scale. On the upper profile, scale is q²/f''; on the lower, -q²/f''.
     const double upper_q2 = 1.0 + upper_slope * upper_slope;
     const double lower_q2 = 1.0 + lower_slope * lower_slope;
     const double upper_scale = upper_q2 / derivatives.upper_curvature[i];
@@ -166,9 +166,9 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
     const double half_excess = 0.5 * (upper_radius - lower_radius);
     const double middle = lower_x + 0.5 * separation_x;
     const double limit = half_cell + round_off * (std::abs(lower_x) + std::abs(separation_x) + std::abs(half_excess));
-    // The contact centre, middle - half_excess · separation_x / distance, is compared with the cell edges.
+    // The contact centre is at middle - half_excess · separation_x / distance, and is compared with the cell edges.
     // Both sides of the comparison are multiplied by the distance of the sphere centres, which avoids a division.
-    // A point with a NaN derivative is marked, so that the exact rules decide whether it can be in contact.
+    // If a derivative is NaN, the point is marked, so that the exact rules decide whether it can be in contact.
     const double shift = half_excess * separation_x;
     const double left_edge = middle - limit;
     const double right_edge = middle + limit;
@@ -180,7 +180,7 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
   }
 }
 
-// In a marked interval, the slope of the gap increases through zero, has two zeros, or increases from zero.
+// Mark an interval if the slope of the gap rises through zero or from zero, or may be zero at two points in it.
 STICTION_MULTIVERSION
 void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks) {
   for (std::size_t i = 0; i < size; ++i) {

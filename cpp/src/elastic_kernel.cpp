@@ -20,30 +20,30 @@ namespace {
 
 using std::numbers::pi;
 
-// Number of columns per block: in single precision, the complex numbers in one row of a block fill a cache line.
+// Number of columns per block: a cache line contains 8 complex numbers in single precision.
 constexpr std::size_t columns_per_block = 8;
 constexpr std::size_t prefetch_distance_in_rows = 16;
-// An area with fewer values forms a single task, because several threads would wait for each other.
+// Areas with fewer values are computed in a single task, because several threads would wait for each other.
 constexpr std::size_t values_per_task = std::size_t{1} << 15;
-// Sum of the stencil weights, relative to the central weight. Wide contact patches require a small sum.
+// Sum of all nine stencil weights, divided by the central weight. Wide contact patches require a small sum.
 constexpr double stencil_sum = 0.04;
-// Lower limit of the compliance at each wavenumber, as a fraction of the compliance of a single loaded cell.
-// Without this limit, zero padding could make the compliance negative at some wavenumbers.
+// Lower limit of the compliance at each wavenumber, divided by the compliance of a single loaded cell.
+// Without this limit of the compliance, zero padding could make the compliance negative at some wavenumbers.
 constexpr double min_compliance_ratio = 1e-3;
 constexpr std::size_t stencil_points = 32;
 
-// If successive rows are an odd number of cache lines apart, a column is spread over all cache sets.
+// Successive rows are an odd number of cache lines apart, so that the elements of a column use all sets of the cache.
 template <class Real>
 std::size_t padded_stride(std::size_t count) {
   constexpr std::size_t numbers_per_line = alignment / sizeof(std::complex<Real>);
   return ((count + numbers_per_line - 1) / numbers_per_line | 1) * numbers_per_line;
 }
 
-// Pairs of real numbers form m = points/2 complex numbers with the Fourier coefficients z(k). Let θ = πk/m.
-// For filter factors h(-k) = h(k), the coefficients of the packed result are
+// `points` real numbers form m = points/2 complex numbers with the Fourier coefficients z(k). Let θ = πk/m.
+// Filtering with the factors h(k), where h(-k) = h(k), changes the coefficients z(k) to
 //     y(k) = (a - b sin θ) z(k) + i b cos θ conj(z(m - k)),  a = (h(k) + h(m - k))/2,  b = (h(k) - h(m - k))/2.
 //
-// Since i conj(x + iy) = y + ix, the second term swaps the real and the imaginary part of z(m - k).
+// The second term of y(k) swaps the real and the imaginary part of z(m - k), because i conj(x + iy) = y + ix.
 STICTION_MULTIVERSION
 void multiply_line(const float* coefficients, const float* direct_factors, const float* mirrored_factors,
                    std::size_t size, float* __restrict result) {
@@ -66,7 +66,7 @@ void multiply_line(const double* coefficients, const double* direct_factors, con
   }
 }
 
-// The column `second` is traversed backwards along y, because it belongs to the opposite wavenumber.
+// The column `second` is read backwards along y, because its wavenumbers are opposite to those of column `first`.
 template <class Real>
 STICTION_INLINE void multiply_mirrored(Real* __restrict first, Real* __restrict second, const Real* first_factors,
                                        const Real* second_factors, const Real* mixing_factors, std::size_t size) {
@@ -80,8 +80,8 @@ STICTION_INLINE void multiply_mirrored(Real* __restrict first, Real* __restrict 
 
 constexpr std::size_t wavenumbers_per_block = 64;
 
-// `factors` has one element for each wavenumber i <= size / 2 along y. Coefficients i and size - i share a factor.
-// Coefficient i of column k is combined with coefficient size - i of column m - k, with θ = πk/m.
+// `factors` has one element per wavenumber i <= size / 2 along y: coefficients i and size - i have equal factors.
+// Coefficient i of column k is combined with coefficient size - i of column m - k. `sine` is sin(πk/m).
 template <class Real>
 STICTION_INLINE void mix_columns_kernel(Real* __restrict first, Real* __restrict second, const Real* factors,
                                         const Real* mirrored_factors, Real sine, Real cosine, std::size_t size) {
@@ -167,7 +167,7 @@ struct TransformShape {
 
   bool packed() const { return padded_columns % 2 == 0; }
   std::size_t coefficient_count() const { return packed() ? padded_columns / 2 : padded_columns; }
-  // Opposite wavenumbers share one factor, so only wavenumbers >= 0 have a factor.
+  // Opposite wavenumbers have equal factors, so factors are stored only for wavenumbers >= 0.
   std::size_t factors_along_x() const { return padded_columns / 2 + 1; }
   std::size_t factors_along_y() const { return padded_rows / 2 + 1; }
 };
@@ -199,7 +199,7 @@ struct Scratch {
   std::vector<std::array<AlignedBuffer, 5>> threads;
 };
 
-// Factors are equal for k and -k, and stored in the order (wavenumber along x, wavenumber along y).
+// Filter with equal factors for k and -k. Factors are stored with the wavenumber along y varying fastest.
 template <class Real>
 class Filter {
  public:
@@ -317,7 +317,7 @@ class Filter {
       std::iota(all_rows.begin(), all_rows.end(), std::size_t{0});
       result_rows = all_rows;
     }
-    // Packing combines columns k and m - k. Column 0 and, if m is even, the middle column are their own partners.
+    // Columns k and m - k are filtered together. Column 0 and, if m is even, column m/2 are filtered alone.
     const std::size_t pairs = shape_.packed() ? count / 2 + 1 : count;
     const std::size_t blocks = std::max<std::size_t>(values_per_task / shape_.padded_rows / columns_per_block, 1);
     const std::size_t columns_per_task = blocks * columns_per_block;
@@ -350,7 +350,7 @@ class Filter {
     const std::size_t begin = std::max<std::size_t>(first, 1);
     const std::size_t end = 2 * (last - 1) == count ? last - 1 : last;
     const std::size_t mirrored_count = shape_.packed() && end > begin ? end - begin : 0;
-    // Mirrored columns run from count - end + 1 to count - begin. Column `begin` is paired with column count - begin.
+    // Column k has the mirrored column count - k. Mirrored columns run from count - end + 1 to count - begin.
     const std::array<std::pair<std::size_t, std::size_t>, 2> blocks = {
         {{first, column_count}, {count - end + 1, mirrored_count}}};
     for (std::size_t block = 0; block < 2; ++block) {
@@ -411,7 +411,7 @@ class Filter {
   std::vector<Real> mirrored_;
 };
 
-// Fourier transform, in place, of an even sequence of 2m real numbers, of which only the first m + 1 are given.
+// In-place Fourier transform of an even sequence of 2m real numbers, given by its first m + 1 numbers.
 class EvenFft {
  public:
   EvenFft(std::size_t half, FftPlans& plans) : half_(half), fft_(plans.get<double>(half)), twiddles_(half + 1) {
@@ -462,7 +462,7 @@ std::vector<double> stiffness(const TransformShape& shape, const Grid& grid, dou
 
 // Displacement [µm] of the origin due to 1 GPa on the segment (0, x) of a line, or on the rectangle (0, x) by (0, y).
 double corner_integral(double x, double effective_modulus) {
-  // Integral of -2/(π E*) ln|x|. Another unit of length would shift all displacements by the same amount.
+  // The result is the integral of -2/(π E*) ln|x|. Another unit of x would shift all displacements by the same amount.
   return -2 / (pi * effective_modulus) * x * (std::log(std::abs(x)) - 1.0);
 }
 
@@ -472,7 +472,7 @@ double corner_integral(double x, double y, double effective_modulus) {
 
 double cell_edge(std::size_t i, double spacing) { return (static_cast<double>(i) - 0.5) * spacing; }
 
-// Displacements of all cells in a row that is `row` rows away from a cell under 1 GPa. On a line, `row` is 0.
+// Compute displacements of the cells in one row due to 1 GPa on a cell `row` rows away. On a line, `row` is 0.
 void compute_influence_row(const Grid& grid, double effective_modulus, std::size_t row, std::span<double> influence) {
   const std::size_t count = influence.size();
   const auto corner = [&](std::size_t i, std::size_t j) {
@@ -504,8 +504,8 @@ std::vector<double> compliance(const TransformShape& shape, const Grid& grid, do
                    [](double factor) { return factor > 0.0 ? 1.0 / factor : 0.0; });
     return factors;
   }
-  // The influence coefficients are symmetric and the padded sizes even, so one quadrant determines the transform.
-  // Beyond the grid, the last influence coefficients are repeated. No result depends on the repeated coefficients.
+  // Only one quadrant is transformed: the influence coefficients are symmetric, and the padded sizes are even.
+  // Beyond the grid, the padding repeats the last influence coefficients. No result depends on the padding.
   const std::size_t width = shape.factors_along_x();
   const std::size_t height = shape.factors_along_y();
   std::vector<double> factors(width * height);
@@ -580,8 +580,8 @@ void check_grid(const char* name, const Grid& grid, double effective_modulus) {
   }
 }
 
-// On a free grid, each Fourier coefficient of the returned compliance [µm/GPa] is positive.
-// The coefficient of uniform pressure is arbitrary: it only shifts all displacements by the same amount.
+// On a free grid, the returned compliance [µm/GPa] is positive at each wavenumber.
+// The compliance at wavenumber 0 is arbitrary, because it only shifts all displacements by the same amount.
 std::vector<double> invertible_compliance(const TransformShape& shape, const Grid& grid, double effective_modulus,
                                           FftPlans& plans, const ThreadPool& pool) {
   Scratch scratch;
@@ -636,7 +636,7 @@ struct Workspace::Buffers {
 Workspace::Workspace() : buffers_(std::make_unique<Buffers>()) {}
 Workspace::~Workspace() = default;
 
-// Most calculations need only some of the filters, so filters are computed on first use.
+// Each filter is computed on its first use, because most calculations need only some of the filters.
 struct ElasticKernel::Transforms {
   TransformShape shape;
   double effective_modulus;
@@ -763,8 +763,8 @@ void StiffnessKernel::precondition(std::span<const float> pressures, std::span<f
 }
 
 double uniform_pressure_deviation(const Grid& grid, double effective_modulus) {
-  // By symmetry, the displacements at a quarter of the grid points are enough for the standard deviation.
-  // The displacement of a point is the sum of `corner_integral` over the corners of the grid.
+  // The displacements are symmetric, so a quarter of the grid points is enough for their standard deviation.
+  // The displacement of a grid point is the sum of four values of `corner_integral`, one for each corner of the grid.
   const auto displacement = [&](std::size_t row, std::size_t column) {
     double sum = 0.0;
     for (const std::size_t j : {column + 1, grid.columns - column}) {

@@ -17,8 +17,8 @@ struct Integrals {
 };
 
 Integrals integrals(double k) {
-  // `ratio` is the series Σ 2^(n-1) c_n² / e², with c_(n+1) = (a_n - b_n) / 2 = c_n² / (4 a_(n+1)).
-  // Cancelling e² in the first term avoids 0/0 for circular contacts.
+  // `ratio` is Σ 2^(n-1) c_n² / e², with the means a_n, b_n and c_(n+1) = (a_n - b_n) / 2 = c_n² / (4 a_(n+1)).
+  // The factor e² is cancelled in the first term of the series, which avoids 0/0 for circular contacts.
   double a = 0.5 * (1.0 + k);
   double b = std::sqrt(k);
   double square = 0.25 * (1.0 - k) * (1.0 - k);  // c_n²
@@ -41,7 +41,7 @@ double log_slope(double k, double ratio) {
   const double e2 = (1.0 - k) * (1.0 + k);
   const double complement = 1.0 - ratio;
   if (e2 < 1e-4) {
-    // As the eccentricity e -> 0, the derivative tends to 1.5. Its error of about e² hardly slows Newton's method.
+    // For small eccentricity e, the slope is 1.5 to within about e². This error hardly slows Newton's method.
     return 1.5;
   }
   return 2.0 + ((k * k * ratio - complement) / e2 + ratio * complement) / (ratio * complement);
@@ -55,7 +55,7 @@ Ellipse hertz_ellipse(double longer, double shorter) {
                                 format_number(longer) + " and " + format_number(shorter) + " µm");
   }
   const double target = shorter / longer;
-  // Newton's method solves for the axis ratio k, because ln(shorter/longer) is almost a linear function of ln k.
+  // Newton's method finds ln k, because ln(shorter radius / longer radius) is almost a linear function of ln k.
   double k = std::cbrt(target * target);
   Integrals values = integrals(k);
   for (int i = 0; i < 20; ++i) {

@@ -11,22 +11,22 @@
 namespace stiction {
 namespace {
 
-// Largest change of a small gap per step, as a multiple of the attraction range. Larger steps may skip equilibria.
+// Largest change of a small gap per step, divided by the attraction range. Larger steps may skip equilibria.
 constexpr double max_change_of_small_gap = 2.0;
 constexpr double small_gap = 5.0;  // as a multiple of the attraction range
-// The line search neglects the attraction at gaps above this multiple of the attraction range.
+// The line search neglects the attraction at gaps that exceed this multiple of the attraction range.
 constexpr double negligible_attraction_gap = 30.0;
-// The first trial step is this fraction of a full step. Trial steps are doubled until the energy increases.
+// A line search first tries this fraction of a full step, and doubles the trial step until the energy increases.
 constexpr double initial_step_fraction = 0.125;
-// The line search ends once the slope of the energy falls below this fraction of the initial slope.
+// The line search ends when the energy's slope along the direction falls below this fraction of its initial value.
 constexpr double max_slope_ratio = 0.05;
 constexpr double max_step_length = 1e4;
 constexpr int max_line_search_steps = 12;
 constexpr double min_step_bracket_fraction = 0.02;  // smallest distance of a trial step from the ends of its bracket
-// The net pressure is recomputed after this number of steps, because round-off accumulates in single precision.
+// The net pressure is recomputed after this number of steps, before its single-precision changes add much round-off.
 constexpr std::int64_t steps_per_recomputation = 20;
 constexpr std::int64_t max_failed_descents = 3;
-// The task size is fixed, so that sums do not depend on the number of threads.
+// The size of a task is constant, so that the round-off of sums does not depend on the number of threads.
 constexpr std::size_t extended_values_per_task = std::size_t{1} << 15;
 constexpr std::size_t stress_lanes = 16;  // number of partial sums, for vectorisation by the compiler
 
@@ -78,14 +78,14 @@ struct ResidualSums {
   }
 };
 
-// `sum` is the sum of net pressure and attraction [GPa].
+// `sum` is the sum of the net pressure and the attraction [GPa] at a point.
 STICTION_INLINE double contact_pressure(double gap, double sum, double hardness) {
   const double clipped = std::min(std::max(sum, 0.0), hardness);
   const double closed = gap < 0.0 ? hardness : clipped;
   return gap > 0.0 ? 0.0 : closed;
 }
 
-// The residual is (net pressure) + (attraction) - (contact pressure).
+// Compute the residual (net pressure) + (attraction) - (contact pressure) [GPa] at each point of a row.
 STICTION_MULTIVERSION
 ResidualSums subtract_stresses(const double* net_pressure, const double* gap, const double* attraction, double hardness,
                                std::size_t size, float* __restrict residual) {
@@ -152,7 +152,7 @@ void fix_contacts(const double* gap, const float* residual, std::size_t size, fl
   }
 }
 
-// Returns the scalar product of the new direction and the residual.
+// Returns the scalar product of the updated `direction` and `residual`.
 STICTION_MULTIVERSION
 double add_direction(const float* descent, const float* residual, float factor, std::size_t size,
                      float* __restrict direction) {
@@ -174,7 +174,7 @@ struct Edges {
   }
 };
 
-// Returns the scalar product of gap changes and residual, and the largest change of a small gap.
+// Returns the scalar product of the gap changes and the residual, and the largest |change| of a gap that is small.
 STICTION_MULTIVERSION
 Edges fix_edges(const double* gap, const float* residual, double largest_small_gap, float approach, std::size_t size,
                 float* __restrict direction, float* __restrict displacement_change) {
@@ -198,7 +198,7 @@ void add_multiple(const float* values, double factor, std::size_t size, double* 
   }
 }
 
-// A gap that closes becomes 0, and the rest of its change is stored. Returns whether any gap closed.
+// If a gap would change its sign, it becomes 0, and `remainder` stores the overshoot. Returns whether any gap closed.
 STICTION_MULTIVERSION
 bool change_gaps(const float* direction, double step, bool yields, std::size_t size, double* __restrict gap,
                  float* __restrict remainder) {
@@ -213,7 +213,7 @@ bool change_gaps(const float* direction, double step, bool yields, std::size_t s
   return *std::max_element(largest.begin(), largest.end()) > 0.0F;
 }
 
-// Returns `max_argument` if `function`, which must be negative at 0, has no root below `max_argument`.
+// Return the first root of `function`, which must be negative at 0, or `max_argument` if no root lies below it.
 template <class Function>
 double find_first_root(const Function& function, double value_at_zero, double max_argument) {
   double left = 0.0;
@@ -251,7 +251,7 @@ struct Sum {
 
 }  // namespace
 
-// Relative residual (residual/stresses), mean attraction [GPa], and error of the total load as a mean pressure [GPa].
+// Residual relative to the stresses, mean attraction [GPa], and error of the total load as a mean pressure [GPa].
 struct EnergyMinimizer::Residual {
   double relative = 0.0;
   double mean_attraction = 0.0;
@@ -292,8 +292,8 @@ std::size_t EnergyMinimizer::on_extended_grid(std::size_t point) const {
   return point / grid_.columns * kernel_.columns() + point % grid_.columns;
 }
 
-// `work(first, size, gap_index)` processes a row of `size` gaps, the first at `gap_index` of the original grid.
-// The index of the row's first point on the extended grid is `first`. Sums are added in a fixed order.
+// Return the sum of `work(first, size, gap_index)` over all rows, in an order that does not depend on the threads.
+// A row has `size` gaps. Its first point is `first` on the extended grid, and `gap_index` on the original grid.
 template <class Sums, class Work>
 Sums EnergyMinimizer::sum_rows(const ThreadPool& pool, const Work& work) const {
   const std::size_t rows_per_task = std::max<std::size_t>(extended_values_per_task / kernel_.columns(), 1);
@@ -419,7 +419,7 @@ EnergyMinimizer::Residual EnergyMinimizer::compute_residual(const MinimizationSt
   return residual;
 }
 
-// The new direction is conjugate to the previous direction, unless a step along it would increase the energy.
+// The new search direction is conjugate to the previous one, unless a step along it would increase the energy.
 // Returns the scalar product of the residual and the preconditioned residual.
 double EnergyMinimizer::compute_conjugate_direction(MinimizationState& state, double approach_residual,
                                                     const ThreadPool& pool) {
@@ -451,7 +451,7 @@ double EnergyMinimizer::compute_conjugate_direction(MinimizationState& state, do
   return slope;
 }
 
-// A gap of 0 stays 0 if the residual at the point has the same sign as the change of the gap along the direction.
+// A gap of 0 stays 0 if the residual at its point has the same sign as the gap's change along the direction.
 EnergyMinimizer::Direction EnergyMinimizer::fix_contact_points(MinimizationState& state, const ThreadPool& pool) {
   const auto edges = sum_rows<Edges>(pool, [&](std::size_t first, std::size_t size, std::size_t gap_index) {
     Edges row = fix_edges(state.gap.data() + gap_index, &residual_[first], small_gap * interface_.range,
@@ -535,7 +535,7 @@ void EnergyMinimizer::change_state(MinimizationState& state, double step, double
   }
 }
 
-// On free grids, the displacements of points around the grid are first computed from the stored net pressure.
+// On free grids, the displacements of points around the original grid are first computed from the stored net pressure.
 void EnergyMinimizer::recompute_net_pressure(MinimizationState& state, double load, const ThreadPool& pool) {
   if (!grid_.periodic) {
     kernel_.displacement(state.net_pressure, displacement_, workspace_, pool);

@@ -10,7 +10,7 @@
 
 namespace stiction {
 
-/// The alignment [bytes] of arrays determines which instructions FFTW uses, and therefore the last bits of results.
+/// Alignment of arrays [bytes]. FFTW chooses instructions by the alignment, which affects the last bits of results.
 inline constexpr std::size_t alignment = 64;
 
 /// Growing an AlignedBuffer discards its contents.
@@ -35,7 +35,7 @@ class AlignedBuffer {
   std::size_t bytes_ = 0;
 };
 
-/// FFTW selects plans by estimated costs, not by measured times, so that every run uses the same plans.
+/// Plans of FFTW are chosen by estimated costs instead of measured times, so that every run uses the same plans.
 /// Plans are created on first use. Several threads may use the same ComplexFft at the same time.
 template <class Real>
 class ComplexFft {

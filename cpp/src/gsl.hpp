@@ -5,8 +5,9 @@
 
 namespace stiction::gsl {
 
-/// The matrix is symmetric, with equal elements on each diagonal. `solution` must not alias `right_side`.
-/// Throws std::runtime_error with GSL's message.
+/// Solve a linear system whose symmetric tridiagonal matrix has the same element everywhere on each diagonal.
+/// `solution` must not alias `right_side`.
+/// Throws std::runtime_error with GSL's error message if the system cannot be solved.
 void solve_tridiagonal(double diagonal, double off_diagonal, Values right_side, std::span<double> solution);
 
 }  // namespace stiction::gsl

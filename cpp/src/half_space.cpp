@@ -29,35 +29,35 @@ namespace {
 
 constexpr std::size_t min_points_per_axis = 16;
 constexpr std::size_t max_influence_points = std::size_t{1} << 20;
-// Tolerance of solutions on coarser grids, whose discretisation error is larger than the tolerance.
+// Error tolerance on coarser grids. A smaller tolerance would be useless, because the discretisation error is larger.
 constexpr double coarse_tolerance = 3e-3;
-// On an area, pressures at another load are used as a start if (larger load) / (smaller load) is at most this number.
+// On an area, the solver starts from pressures at another load if (larger load) / (smaller load) does not exceed this.
 constexpr double max_load_ratio = 1.3;
 constexpr std::int64_t max_iterations = 2000;
-// On coarser grids, the solver may stop early, because the solutions are only starting points.
+// On coarser grids, the solver may stop before it converges, because these solutions serve only as starting points.
 constexpr std::int64_t max_coarse_iterations = 100;
 constexpr int max_exact_evaluations = 20;
-// Relative tolerance of displacements that should be equal. The compliance then has a relative error of about 1e-7.
+// Largest relative difference of displacements that should be equal. It causes a compliance error of about 1e-7.
 constexpr double compliance_tolerance = 1e-3;
-// At this relative difference of displacements, negative pressures at fixed contact points are not iteration errors.
+// If displacements differ by less than this fraction, negative pressures at fixed contact points are not solver errors.
 constexpr double sign_tolerance = 1e-5;
-// On free lines, errors of the compliance are not of second order, so this factor reduces `compliance_tolerance`.
+// On free lines, `compliance_tolerance` is multiplied by this factor, because compliance errors are of first order.
 constexpr double difference_tolerance = 0.03;
-// Up to this number of contact points, solving with a dense matrix is faster than with transforms of the grid.
+// Up to this number of contact points, a solution with a dense matrix is faster than one with transforms of the grid.
 constexpr std::size_t max_dense_points = 1024;
-// If few points can come into contact, displacements are computed only at these points, with a dense matrix.
-// A dense matrix with up to `max_matrix_ratio` elements per grid point is faster than transforms of the grid.
-// `max_selected_points` limits the dense matrix to 16 MiB.
+// If few points can come into contact, a dense matrix is used to compute displacements at these points only.
+// A dense matrix is faster than transforms of the grid if it has at most `max_matrix_ratio` elements per grid point.
+// With `max_selected_points` points, the dense matrix of single-precision numbers occupies 16 MiB.
 constexpr std::size_t max_matrix_ratio = 16;
 constexpr std::size_t max_selected_points = 2048;
-// Points are selected if their gap is below this multiple of the approach, both measured from the smallest gap.
+// Points are selected if (gap - smallest gap) is below this multiple of (approach - smallest gap).
 constexpr double selection_approach_ratio = 1.1;
 constexpr std::size_t points_per_task = std::size_t{1} << 16;
-// Displacements count as equal up to this fraction of the displacement of a single loaded cell.
+// Displacements count as equal if they differ by less than this fraction of the displacement of a single loaded cell.
 constexpr double round_off = 1e-9;
 constexpr int max_trial_loads = 60;
 constexpr double max_trial_load_ratio = 30.0;
-// Minimum distance of a trial load from the ends of its bracket, as a fraction of the bracket.
+// Minimum distance of a trial load from both ends of its bracket, divided by the width of the bracket.
 constexpr double min_load_bracket_fraction = 1e-3;
 
 std::size_t coarsened(std::size_t points, bool periodic) {
@@ -128,7 +128,7 @@ std::size_t previous_point(std::size_t point, std::size_t points, bool periodic)
   return point > 0 ? point - 1 : (periodic ? points - 1 : point);
 }
 
-// Coarsen along each row (`width` 1), or along all columns together (`width` is the number of columns).
+// Coarsen a gap along each row if `width` is 1, or along all columns together if `width` is the number of columns.
 void coarsen_gap_along(Values gap, std::size_t blocks, std::size_t old_points, std::size_t new_points,
                        std::size_t width, bool periodic, std::vector<double>& result) {
   result.resize(blocks * new_points * width);
@@ -162,8 +162,8 @@ std::vector<double> coarsen_gap(Values gap, const Grid& from, const Grid& to, st
 }
 
 // Near the edge of a contact, the squared pressure is proportional to the distance from the edge.
-// If one of two points is out of contact, the squared pressure is extrapolated linearly from two points in contact.
-// The extrapolated pressure falls to 0 at the point that is out of contact, or before this point.
+// If one of two neighbouring points is out of contact, the squared pressure is extrapolated from two points in contact.
+// The extrapolated pressure reaches 0 no later than at the point that is out of contact.
 STICTION_MULTIVERSION
 void interpolate_pressure(const double* before, const double* left, const double* right, const double* after,
                           double fraction, std::size_t size, double* result) {
@@ -234,10 +234,11 @@ bool is_dense_kernel_faster(std::size_t num_points, const Grid& grid) {
   return num_points <= max_selected_points && num_points * num_points <= max_matrix_ratio * grid.size();
 }
 
-// The starting pressure is scaled to the given mean [GPa]. If `gap` is empty, the gap is 0 at all points.
+// Solver on one grid, which starts from the pressures `start` [GPa], scaled to the mean pressure `mean` [GPa].
+// If `gap` is empty, the initial gap is 0 at all points.
 // On a free area, a point whose initial gap exceeds the approach cannot come into contact.
 // The potential of points that cannot come into contact is replaced by its lower bound, the initial gap.
-// `influence` contains the displacements due to a pressure on the first grid point, or is empty to use all points.
+// `influence` contains displacements due to a pressure on the first grid point. If it is empty, all points are used.
 class LevelSolver {
  public:
   LevelSolver(const HalfSpaceGrids::Kernels& kernels, Values gap, std::vector<double> start, double mean, Values bound,
@@ -280,7 +281,7 @@ class LevelSolver {
   ProjectedCgSolver& cg() { return cg_; }
   // True if the potential was recomputed in double precision after the last step.
   bool is_exact() const { return is_exact_; }
-  // True if the potential is known wherever the pressure bound is above 0. Call only if each point has its own bound.
+  // True if the potential is known at all points with a pressure bound above 0. Each point must have its own bound.
   bool has_all_potentials() const { return !selected_points_ || selects_all_points_; }
 
   double update_free_points() {
@@ -293,7 +294,7 @@ class LevelSolver {
     return error;
   }
 
-  // Single precision is enough if the potential is only an estimate, or is recomputed later.
+  // `exact` requests double precision. Single precision is enough for an estimate that is recomputed later.
   void recompute_potential(bool exact) {
     const Values pressure = cg_.pressure();
     std::vector<double> potential = cg_.take_potential();
@@ -320,7 +321,7 @@ class LevelSolver {
     is_exact_ = exact;
   }
 
-  // The caller must call `update_free_points` before each step.
+  // Compute one step. The caller must call `update_free_points` before each step.
   void iterate() {
     std::span<const float> residual = cg_.residual(pool_);
     if (!cg_.is_steepest_descent()) {
@@ -351,7 +352,7 @@ class LevelSolver {
  private:
   double bound_at(std::size_t i) const { return bound_[bound_.size() == 1 ? 0 : i]; }
 
-  // The search stops when so many points are found that a dense matrix is slower than transforms of the grid.
+  // Find points that satisfy a condition. The search ends once a dense matrix of the found points would be too slow.
   template <class Condition>
   std::vector<std::size_t> find_points(Condition condition) const {
     std::vector<std::size_t> points;
@@ -363,8 +364,8 @@ class LevelSolver {
     return points;
   }
 
-  // Estimate the approach [µm] as the mean potential of points whose pressure is above 0 and below its bound.
-  // Returns infinity if there is no such point, or if a dense matrix of the points under pressure would be too slow.
+  // Estimate the approach [µm] as the mean potential of all points whose pressure lies between 0 and its bound.
+  // Returns infinity if no pressure lies between 0 and its bound, or if too many points are under pressure.
   double estimate_approach() const {
     const Values pressure = cg_.pressure();
     const std::vector<std::size_t> loaded = find_points([&](std::size_t i) { return pressure[i] > 0.0; });
@@ -384,7 +385,7 @@ class LevelSolver {
     return count > 0 ? sum / static_cast<double>(count) : std::numeric_limits<double>::infinity();
   }
 
-  // Select the points that may touch at a slightly larger approach, or no points if a dense matrix would be too large.
+  // Select the points that may touch at a slightly larger approach. If there are too many, no points are selected.
   void select_points(double approach) {
     const double lowest_gap = *std::min_element(gap_.begin(), gap_.end());
     max_approach_ = std::max(approach, lowest_gap + selection_approach_ratio * (approach - lowest_gap));
@@ -409,7 +410,7 @@ class LevelSolver {
   ProjectedCgSolver cg_;
   std::vector<float> response_;
   std::vector<float> preconditioned_;  // preconditioned residual on lines
-  // Indices of grid rows with a pressure bound above 0. Potentials are computed only in these rows.
+  // Indices of grid rows that contain a pressure bound above 0. Potentials are computed only in these rows.
   // `contact_rows_` is empty if all points have the same bound.
   std::vector<std::size_t> contact_rows_;
   std::optional<Preconditioner> preconditioner_;
@@ -476,8 +477,8 @@ std::vector<double> solve_dense(Values influence, const Grid& grid, const std::v
 }
 
 // Return the response of fixed contact points of an area, computed by preconditioned conjugate gradients.
-// In contrast to contact pressures, the pressures have no bounds during the iterations. Bounds would delay convergence:
-// the first step leaves no pressure at many points inside contacts, because their pressures are far below the mean.
+// Unlike contact pressures, these pressures have no bounds in the iterations, because bounds would delay convergence.
+// With bounds, the first step would remove the pressure at many points inside contacts, where it is far below the mean.
 // Returns no response if a pressure is negative, which round-off may cause at single-point contacts.
 std::optional<LinearResponse> respond_on_area(const HalfSpaceGrids& grids, const std::vector<std::size_t>& points,
                                               SolverMemory& memory, const ThreadPool& pool) {
@@ -531,8 +532,8 @@ std::optional<LinearResponse> respond_on_area(const HalfSpaceGrids& grids, const
   residual.assign(grid.size(), 0.0F);
   direction.assign(grid.size(), 0.0F);
   const auto displace = [&] { kernels.points->displacement(direction, response, memory.workspace, pool, rows); };
-  // All pressures start equal. A start from the preconditioner would displace points of wide contacts very unequally,
-  // and the round-off of the large first steps would remain in the pressures.
+  // All points start with equal pressures, because large first steps would leave round-off in the pressures.
+  // Pressures from the preconditioner displace points of wide contacts very unequally, so that steps would be large.
   for (const std::size_t i : points) {
     pressure[i] = 1.0 / count;
     direction[i] = static_cast<float>(pressure[i]);
@@ -570,7 +571,7 @@ std::optional<LinearResponse> respond_on_area(const HalfSpaceGrids& grids, const
     });
     const double shift = before.preconditioned / count;
     const double beta = iteration == 0 ? 0.0 : std::max((shift * before.response - before.product) / curvature, 0.0);
-    // The pressures of a direction add up to 0, so that the total load remains 1.
+    // The pressure changes along a direction add up to 0, so that the total load remains 1.
     for (const std::size_t i : points) {
       const double previous = iteration == 0 ? 0.0 : static_cast<double>(direction[i]);
       direction[i] = static_cast<float>(static_cast<double>(preconditioned[i]) - shift + beta * previous);
@@ -694,8 +695,8 @@ HalfSpaceSolver::HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrid
   displacement_scale_ = unit_load_deviation(pool);
 }
 
-// Root-mean-square deviation of the displacements from their mean [µm/GPa], divided by the mean pressure.
-// The pressure is uniform or, if each point has its own bound, proportional to the bounds.
+// Return the standard deviation of the displacements over the grid, divided by the mean pressure [µm/GPa].
+// The displacements are due to uniform pressure or, if each point has its own bound, to pressures proportional to them.
 double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
   const Grid& grid = grids_->levels()[0];
   const double cell_displacement =
@@ -708,7 +709,7 @@ double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
     std::transform(bound_.begin(), bound_.end(), values.begin(), [&](double bound) { return bound / mean; });
     grids_->kernels(0, pool).points->displacement(values, values, memory->workspace, pool);
     const double deviation = standard_deviation(values);
-    // If pressures proportional to the bounds displace all points equally, `deviation` is only round-off.
+    // On a periodic grid, `deviation` is only round-off if the pressures displace all points equally.
     if (!grid.periodic) {
       return std::max(deviation, grids_->uniform_pressure_deviation());
     }
@@ -724,8 +725,8 @@ double HalfSpaceSolver::scale(double mean_pressure) const {
   return std::max(gap_scale_, displacement_scale_ * mean_pressure);
 }
 
-// The alternative to starting from `near` is a start from a coarser grid, which requires one bound for all points.
-// On line grids with one bound for all points, the solver always starts from a coarser grid.
+// If each point has its own bound, the solver starts from `near`, because coarser grids require a common bound.
+// On lines with one bound for all points, the solver always starts from a coarser grid instead of `near`.
 bool HalfSpaceSolver::is_good_start(Values near, double mean_pressure) const {
   if (near.empty()) {
     return false;
@@ -759,13 +760,13 @@ HalfSpaceSolution HalfSpaceSolver::at(double mean_pressure, Values near, const T
   return solve_finest(std::move(start), mean_pressure, *memory, pool, progress);
 }
 
-// Find the root of `log_excess` as a function of ln(load) by the secant method (Illinois algorithm).
+// Find the root of `log_excess` as a function of ln(load) by the Illinois algorithm, a secant method with a bracket.
 // Periodic surfaces are in full contact if the approach is at least the mean gap.
 HalfSpaceSolution HalfSpaceSolver::at_approach(double approach, Values near, const ThreadPool& pool,
                                                const HalfSpaceProgress& progress) const {
   const Grid& grid = grids_->levels()[0];
   const double full_contact = grid.periodic ? mean_value(gap_) : std::numeric_limits<double>::infinity();
-  // The mean pressure of rough surfaces is at most about E* approach / length, as for a contact as large as the grid.
+  // The mean pressure is at most about E* approach / length, the mean pressure of a contact as large as the grid.
   const double along_x = grid.spacing_x * static_cast<double>(grid.columns);
   const double length = grid.line ? along_x : std::max(along_x, grid.spacing_y * static_cast<double>(grid.rows));
   double pressure = near.empty() ? 0.1 * grids_->effective_modulus() * approach / length : mean_value(near);
@@ -882,8 +883,8 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
   if (points.empty()) {
     throw std::invalid_argument("linear_response: in_contact must contain at least one point");
   }
-  // Pressures that displace all points equally are largest at the edges of contacts, like the charges on a conductor.
-  // Uniform pressure is therefore a better start than the contact pressures, which vanish at the edges.
+  // Pressures that displace all contact points equally are largest at the contact edges, like charges on a conductor.
+  // Uniform pressure is therefore a better start for such pressures than contact pressures, which are 0 at the edges.
   std::vector<double> start(in_contact.size(), 0.0);
   for (const std::size_t i : points) {
     start[i] = 1.0 / static_cast<double>(points.size());
@@ -918,7 +919,7 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
   }
   const double mean = 1.0 / static_cast<double>(in_contact.size());
   LevelSolver solver(kernels, {}, std::move(start), mean, bound, {}, *memory, pool);
-  // On lines, single precision (1e-7 of a displacement) cannot resolve the small differences between displacements.
+  // On lines, the differences between displacements are too small for single precision, 1e-7 of a displacement.
   solver.recompute_potential(grid.line);
   for (std::int64_t i = 0; i < max_iterations; ++i) {
     const double error = solver.update_free_points();

@@ -19,7 +19,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// A SIMD load across two cache lines takes twice as long.
+// Arrays are aligned, because a SIMD load takes twice as long if it crosses the boundary of two cache lines.
 constexpr std::size_t cache_line = 64;
 struct AlignedDelete {
   void operator()(double* values) const { ::operator delete[](values, std::align_val_t{cache_line}); }
@@ -28,19 +28,19 @@ std::unique_ptr<double[], AlignedDelete> allocate_aligned(std::size_t size) {
   return std::unique_ptr<double[], AlignedDelete>(new (std::align_val_t{cache_line}) double[size]);
 }
 
-// A phase may make at most 2^n turns along the grid, so that 20 binary digits remain for the fraction of a turn.
-// The limit is 2^44 turns if a long double has 64 binary digits, and 2^33 turns if a long double is a double.
+// Largest number of turns of a phase along the grid, as an exponent of 2. It leaves 20 bits for the fraction of a turn.
+// The limit is 2^44 turns if a long double has a 64-bit mantissa, and 2^33 turns if its mantissa has 53 bits.
 constexpr int max_turns_exponent = std::numeric_limits<long double>::digits - 20;
 
-// The group profiles of one block must fit into the second-level cache.
+// Number of points per block. The profiles of all groups in one block must fit into the second-level cache.
 constexpr Index block = 1024;
 constexpr Index blocks_per_restart = 8;
-// Number of interleaved recurrences per harmonic. In each step, a recurrence advances by this number of grid points.
+// Number of recurrences per harmonic. Each recurrence computes every `lanes`-th point of the grid.
 constexpr std::size_t lanes = 32;
 constexpr std::size_t doublings = 5;
 static_assert(lanes == 1 << doublings && block % lanes == 0);
 
-// Fraction of a turn, in units of 2^-64 turns. Integer overflow removes whole turns without round-off.
+// Phase in units of 2^-64 turns. Integer overflow removes whole turns exactly.
 using Turns = std::uint64_t;
 
 Turns to_turns(long double turns) {
@@ -60,7 +60,7 @@ Complex unit_phasor(Turns turns) { return std::polar(1.0, to_radians(turns)); }
 // The round-off of the recurrence is proportional to the number of steps, even for very small θ.
 struct Harmonic {
   alignas(cache_line) std::array<double, lanes> z;  // values at the next `lanes` points
-  // Difference between `z` and the values at the preceding `lanes` points.
+  // `z` minus the values at the preceding `lanes` points.
   alignas(cache_line) std::array<double, lanes> d;
   double rate;                               // 4 sin²(θ/2)
   Complex amplitude;                         // at x = 0
@@ -77,7 +77,7 @@ struct Harmonic {
     rate = 4.0 * std::sin(half_angle) * std::sin(half_angle);
   }
 
-  // The first `lanes` values are computed by doubling: the n known values times e^(i k n Δx) are the next n values.
+  // The first `lanes` values are computed by doubling: n known values times e^(i k n Δx) are the following n values.
   STICTION_MULTIVERSION void start(Index point) {
     std::array<double, lanes> imaginary;
     const Complex first = amplitude * unit_phasor(step * static_cast<Turns>(point));
@@ -103,8 +103,8 @@ struct Group {
   double constant = 0.0;
 };
 
-// Directions m and M - m have opposite wavenumbers, so they form one harmonic of amplitude e^(i φ) + e^(-i φ').
-// In direction m = M/2, the wavenumber is 0 and the harmonic cancels. Direction m = M has no partner direction.
+// Directions m and M - m have opposite wavenumbers, so they form one harmonic with the amplitude e^(i φ) + e^(-i φ').
+// In direction m = M/2, the wavenumber is 0, so the harmonic is 0. Direction m = M has no opposite direction.
 std::vector<Group> make_groups(MatrixView phases, const HarmonicGrid& grid) {
   const long double max_turns = std::ldexp(1.0L, max_turns_exponent);
   const Index directions = phases.rows();
@@ -140,7 +140,7 @@ std::vector<Group> make_groups(MatrixView phases, const HarmonicGrid& grid) {
   return result;
 }
 
-// In one pass, each height is loaded and stored only once, and the values of z and d stay in registers.
+// `count` harmonics are subtracted in one pass, which loads and stores each height once and keeps z and d in registers.
 template <std::size_t Width, std::size_t count>
 STICTION_INLINE void subtract(double* values, Harmonic* harmonics) {
   constexpr std::size_t packs = Width == 8 ? 4 : 2;
@@ -189,7 +189,7 @@ STICTION_KERNEL(subtract_one, (double* values, Harmonic* harmonics), (values, ha
 STICTION_MULTIVERSION
 void fill_block(double* values, double constant) { std::fill_n(values, block, constant); }
 
-// The blocks of a group must be requested one after the other, from left to right.
+// Compute the next block of a group's profile. Blocks must be computed one after the other, from left to right.
 void next_block(Group& group, Index first, double* values) {
   fill_block(values, group.constant);
   if (first % (blocks_per_restart * block) == 0) {
@@ -206,8 +206,8 @@ void next_block(Group& group, Index first, double* values) {
   }
 }
 
-// sums(row, j) = Σ_n weights(row, n) values[n][j] for all points j of a block.
-// A tile of sums stays in registers for all frequencies n. The order of additions does not depend on the tile.
+// Compute sums(row, j) = Σ_n weights(row, n) values[n][j] for all points j of a block.
+// A tile of sums stays in registers for all frequencies n. Its size does not change the order of additions.
 template <std::size_t Width, std::size_t rows, std::size_t packs>
 STICTION_INLINE void tile_product(const double* weights, const double* values, std::size_t frequencies, double* sums,
                                   std::size_t stride) {
@@ -229,7 +229,7 @@ STICTION_INLINE void tile_product(const double* weights, const double* values, s
   }
 }
 
-// Ten rows of sums are computed together, so each loaded value is used ten times.
+// Ten rows of sums are computed together, because each loaded value is then used ten times.
 template <std::size_t Width>
 STICTION_INLINE void ten_rows_kernel(const double* weights, const double* values, std::size_t frequencies, double* sums,
                                      std::size_t stride) {
@@ -290,7 +290,7 @@ void product(const Eigen::Map<const Matrix>& weights, const double* values, doub
 constexpr Index points_per_run = 64;
 static_assert(block % points_per_run == 0);
 
-// Rotate a table of cosines and sines. Adding the phase difference from point to point would accumulate round-off.
+// Rotate a table of cosines and sines. Adding the phase difference at each point would accumulate more round-off.
 STICTION_MULTIVERSION
 void rotate_table(const double* table_cos, const double* table_sin, double c, double s, double* cosines,
                   double* sines) {
@@ -329,7 +329,7 @@ struct ArealHarmonic {
   Rotations along_x;
 };
 
-// Wavenumbers in turns per point. Directions m and M - m differ only in the sign of `x`.
+// Wavenumbers along y and x [turns per point]. Directions m and M - m differ only in the sign of `x`.
 struct Wavenumbers {
   long double y;
   long double x;
@@ -344,7 +344,7 @@ Wavenumbers pair_wavenumbers(const HarmonicArea& area, Index m, Index directions
           number * std::cos(angle) * static_cast<long double>(area.spacing_x)};
 }
 
-// `constant` is the sum of w cos φ over all harmonics, whose amplitudes include the weights w.
+// Harmonics whose amplitudes include the weights w, and `constant`, the sum of w cos φ over all harmonics.
 struct ArealSum {
   std::vector<ArealHarmonic> harmonics;
   double constant = 0.0;
@@ -473,7 +473,7 @@ void harmonic_surface(MatrixView phases, Values weights, const HarmonicArea& are
 
   const ArealSum sum = make_areal_sum(phases, weights, area, rows, columns);
   heights.setConstant(sum.constant);
-  // Tiles of the surface and groups of harmonics keep the factors of a group in the cache.
+  // The surface is computed in tiles, with a few harmonics per pass, so that the factors of a pass stay in the cache.
   constexpr std::size_t harmonics_per_pass = 32;
   const auto x_factors = allocate_aligned(2 * harmonics_per_pass * block);
   std::array<double, points_per_run> cosines;

@@ -11,9 +11,9 @@
 namespace stiction {
 namespace {
 
-// The intermediate values for one chunk of repetitions fit into the first-level cache.
+// Number of repetitions per chunk, so small that the intermediate values of a chunk fit into the first-level cache.
 constexpr std::size_t repetitions_per_chunk = 256;
-// Number of partial sums: a multiple of all SIMD widths, so that the order of additions is equal for every width.
+// Number of partial sums, a multiple of all SIMD widths, so that each width adds numbers in the same order.
 constexpr std::size_t sum_lanes = 32;
 using RepetitionChunk = std::array<double, repetitions_per_chunk>;
 using LaneValues = std::array<double, sum_lanes>;

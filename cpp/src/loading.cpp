@@ -14,7 +14,7 @@ struct Point {
   double f;
 };
 
-// The root lies between the arguments of `latest` and `opposite`. `previous` is the estimate before `latest`.
+// The root lies between the points `latest` and `opposite`. `previous` is the end of the bracket replaced by `latest`.
 struct RootSearch {
   Point latest;
   Point opposite;

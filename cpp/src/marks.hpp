@@ -1,4 +1,4 @@
-// Iteration over marked points, for arrays in which few points are marked.
+// Fast iteration over the marked elements of an array in which few elements are marked.
 #pragma once
 
 #include "stiction/values.hpp"
@@ -8,7 +8,7 @@
 
 namespace stiction {
 
-/// Visit every i from `begin` to `end - 1` whose mark is not 0. Eight marks are tested at a time.
+/// Call `visit(i)` for every index i from `begin` to `end - 1` whose mark is not 0. Tests eight marks at a time.
 template <class Visit>
 void for_each_marked(const unsigned char* marks, Index begin, Index end, const Visit& visit) {
   constexpr Index marks_per_word = sizeof(std::uint64_t);

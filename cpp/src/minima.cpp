@@ -15,12 +15,12 @@ namespace {
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 // A minimum may lie `max_overshoot` of a cell side outside its cell, so that no minimum between two cells is lost.
-// Two minima closer than `merge_distance` are one minimum.
+// Two minima in a cell count as one if their positions differ by less than 2 `merge_distance` along x and along y.
 constexpr double max_overshoot = 1e-8;
 constexpr double merge_distance = 1e-6;
 
-// In a cell, the 16 coefficients bound the spline, and differences of neighbouring coefficients bound its derivatives.
-// A cell can have a minimum only if a coefficient is at most `max_value`, and both ranges of derivatives contain zero.
+// In a cell, 16 coefficients bound the spline, and differences of neighbouring coefficients bound its derivatives.
+// A cell can contain a minimum only if a coefficient is at most `max_value`, and both derivatives may be zero.
 
 STICTION_INLINE double smaller(double a, double b) { return a < b ? a : b; }
 STICTION_INLINE double larger(double a, double b) { return a > b ? a : b; }
@@ -45,7 +45,7 @@ void mark_low(const double* coefficients, Index cells, double max_value, unsigne
   }
 }
 
-// For each column: smallest coefficient in four successive rows, and ranges of coefficient differences along x and y.
+// For each column: smallest of four successive spline coefficients, and ranges of their differences along x and y.
 struct Ranges {
   explicit Ranges(Index columns) : buffer(static_cast<std::size_t>(5 * columns)), size(columns) {}
   double* lowest() { return buffer.data(); }
@@ -95,7 +95,7 @@ void mark_possible_cells(const double* lowest, const double* x_low, const double
   }
 }
 
-// Bernstein coefficients of a bicubic polynomial on a cell or a part of a cell, with x as the inner index.
+// Bernstein coefficients of a bicubic polynomial on a cell or on part of a cell. The second index belongs to x.
 using Net = std::array<std::array<double, 4>, 4>;
 
 template <std::size_t lanes>
@@ -103,7 +103,7 @@ using Nets = std::array<std::array<std::array<double, lanes>, 4>, 4>;
 
 constexpr std::size_t cells_per_batch = 8;
 
-// Result of the sign tests: no minimum possible, convex (at most one minimum), or undecided.
+// Class of a cell or a part: it has no minimum, is convex with at most one minimum, or is undecided.
 enum class CellClass : unsigned char { excluded, convex, undecided };
 
 template <std::size_t Width>
@@ -125,7 +125,7 @@ STICTION_INLINE void classify(const PackNet<Width>& net, double max_value, const
   P x_high = x_low;
   P y_low = net[1][0] - net[0][0];
   P y_high = y_low;
-  // The second derivatives xx, xy and yy are 6, 9 and 6 times the second differences of the coefficients.
+  // The second derivatives xx, xy and yy are 6, 9 and 6 times the second differences of the Bernstein coefficients.
   P xx_low = net[0][2] - 2.0 * net[0][1] + net[0][0];
   P xx_high = xx_low;
   P xy_low = (net[1][1] - net[1][0]) - (net[0][1] - net[0][0]);
@@ -156,7 +156,7 @@ STICTION_INLINE void classify(const PackNet<Width>& net, double max_value, const
   const P max_abs_xy = xy_high > -xy_low ? xy_high : -xy_low;
   const auto zero_slope = (x_low <= slack) & (x_high >= -slack) & (y_low <= slack) & (y_high >= -slack);
   const auto curved_up = (xx_high > 2.0 * slack) & (yy_high > 2.0 * slack);
-  // A Hessian that is indefinite at every point excludes a minimum.
+  // If the Hessian matrix is indefinite at every point of a cell, the cell contains no minimum.
   const auto no_saddle = 36.0 * xx_high * yy_high >= 81.0 * min_abs_xy * min_abs_xy;
   const auto possible = zero_slope & curved_up & no_saddle & (low <= zero + max_value);
   const auto convex = (xx_low > zero) & (yy_low > zero) & (36.0 * xx_low * yy_low > 81.0 * max_abs_xy * max_abs_xy);
@@ -210,7 +210,7 @@ STICTION_INLINE void classify_cells_kernel(double* coefficients, double max_valu
 STICTION_KERNEL(classify_cells, (double* coefficients, double max_value, double* round_off, CellClass* classes),
                 (coefficients, max_value, round_off, classes))
 
-// De Casteljau's algorithm.
+// Divide a cubic Bernstein polynomial into its two halves by de Casteljau's algorithm.
 STICTION_INLINE void halve(double a, double b, double c, double d, std::array<double, 4>& first,
                            std::array<double, 4>& second) {
   const double ab = 0.5 * (a + b);
@@ -285,7 +285,7 @@ class Cell {
   Cell(const MatrixView& coefficients, Index row, Index column, double max_value)
       : coefficients_(coefficients), row_(row), column_(column), max_value_(max_value) {}
 
-  // Minima passed to `visit` have no values and derivatives yet, and may lie slightly outside the cell.
+  // Call `visit(minimum)` with the position of each minimum. The position may be slightly outside the cell.
   template <class Visit>
   void search(const Net& net, double round_off, CellClass cell_class, const Visit& visit) const {
     search_part(net, 0.0, 0.0, 1.0, round_off, cell_class, visit);
@@ -335,7 +335,7 @@ class Cell {
       double du = (at.xy * at.y - at.yy * at.x) / determinant;
       double dv = (at.xy * at.x - at.xx * at.y) / determinant;
       const double length = larger(std::abs(du), std::abs(dv));
-      // On a nearly level floor, round-off keeps the steps of Newton's method from becoming shorter.
+      // If the spline is nearly level, round-off prevents the steps of Newton's method from becoming shorter.
       if (length <= 1e-12 || larger(std::abs(at.x), std::abs(at.y)) <= round_off) {
         return Minimum{row_, column_, u + du, v + dv, {}};
       }
@@ -358,7 +358,7 @@ class Cell {
   double max_value_;
 };
 
-// The right and upper sides of a cell belong to the neighbouring cells.
+// A minimum on the right or upper side of a cell belongs to the neighbouring cell.
 void move_to_owner(double& fraction, Index& cell, Index cells) {
   if (fraction >= 1.0 - merge_distance && cell + 1 < cells) {
     cell += 1;
@@ -456,7 +456,8 @@ std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& ran
     }
   }
   std::stable_sort(all_minima.begin(), all_minima.end(), precedes);
-  // Remove minima found twice, in two cells or in two parts of a cell. `move_to_owner` gave both copies the same cell.
+  // Remove copies of minima that were found twice: in two cells, or in two parts of a cell.
+  // Both copies of a minimum are in the same cell, because `move_to_owner` has moved them.
   std::vector<Minimum> result;
   result.reserve(all_minima.size());
   for (const Minimum& minimum : all_minima) {

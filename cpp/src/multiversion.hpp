@@ -1,5 +1,5 @@
 // Function multiversioning: hot loops are compiled for several instruction sets.
-// The loader selects the versions for the widest instruction set that the machine supports.
+// The loader selects the version of each function for the widest instruction set that the machine supports.
 // STICTION_MULTIVERSION is for plain loops, STICTION_KERNEL for loops that must keep values in SIMD registers.
 #pragma once
 
@@ -32,13 +32,13 @@
 #define STICTION_MULTIVERSION
 #endif
 
-// Clang would report functions that only the loader calls as unused.
+// Clang would report a function as unused if only the loader calls it.
 #if defined(__clang__)
 #pragma clang diagnostic ignored "-Wunused-function"
 #endif
 
 /// Define `void name(parameters)` from the template `name_kernel<Width>(arguments)`, for Width doubles per register.
-/// If a SIMD type is wider than a register, GCC stores its values in memory, which is 20 times slower to access.
+/// GCC stores a SIMD value in memory if it is wider than a register, which makes access 20 times slower.
 #if defined(STICTION_WIDE)
 #define STICTION_KERNEL(name, parameters, arguments)                                                            \
   __attribute__((target(STICTION_WIDEST))) void name parameters { name##_kernel<8> arguments; } /* AVX-512 */   \
@@ -84,7 +84,7 @@ using Pack = typename PackOf<Width>::Type;
 
 inline constexpr std::size_t widest_pack = 8;
 
-// std::memcpy is not used, because GCC would split the copy before it knows the instruction set.
+// std::memcpy is not used: GCC would split the copy into small copies before it knows the instruction set.
 template <std::size_t Width>
 STICTION_INLINE Pack<Width> load(const double* values) {
   return reinterpret_cast<const typename PackOf<Width>::Unaligned*>(values)->pack;

@@ -28,7 +28,7 @@ namespace {
 
 constexpr std::size_t chunk_length = std::size_t{1} << 18;  // characters that one task converts
 
-// An 8-bit counter for each block of 255 characters allows the compiler to vectorise the loop.
+// Each block has 255 characters, the largest count of an 8-bit counter, so that the compiler can vectorise the loop.
 STICTION_MULTIVERSION
 std::size_t count_cell_ends(const char* text, std::size_t size, char separator) {
   constexpr std::size_t block = 255;
@@ -44,7 +44,7 @@ std::size_t count_cell_ends(const char* text, std::size_t size, char separator) 
   return count;
 }
 
-// Returns the end of the number, or null if `text` does not start with a number.
+// Convert the number at the start of `text`. Returns the end of the number, or null if `text` starts with no number.
 const char* convert_number(std::string_view text, [[maybe_unused]] char separator, double& value) {
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') {
     text.remove_prefix(1);
@@ -95,7 +95,7 @@ std::vector<std::size_t> convert_cells(std::string_view text, char separator, st
                                 std::to_string(cells));
   }
   std::vector<std::vector<std::size_t>> failures(chunks);
-  // A cell is converted by the task whose chunk contains the end of the cell.
+  // Each cell is converted by the task whose chunk of text contains the end of the cell.
   pool.run(chunks, [&](std::size_t chunk, std::size_t) {
     const std::size_t end_cell = chunk + 1 < chunks ? first_cells[chunk + 1] : values.size();
     if (first_cells[chunk] == end_cell) {

@@ -10,7 +10,7 @@
 namespace stiction {
 namespace {
 
-// Fraction of a cell by which pressure extends beyond the true contact at an open side.
+// Distance by which the pressure extends beyond the true contact at an open side of a cell, divided by the cell size.
 // On profiles, Westergaard's solution for a sinusoid gives 0.38 ± 0.03 cells for both sides of a contact together.
 constexpr double line_side_fraction = 0.19;
 constexpr double area_side_fraction = (std::numbers::pi - 1 + std::numbers::ln2) / 24;
@@ -70,7 +70,7 @@ Patches patches_of(Values pressure, const Grid& grid, double hardness) {
     throw std::invalid_argument("patches_of: pressure must have as many elements as the grid has points");
   }
   Patches result;
-  // Points under pressure are numbered from 1.
+  // `numbers` contains 1, 2, 3 and so on at points under pressure, and 0 at all other points.
   std::vector<std::int32_t> numbers(pressure.size(), 0);
   for (std::size_t i = 0; i < pressure.size(); ++i) {
     if (pressure[i] != 0.0) {
@@ -82,7 +82,7 @@ Patches patches_of(Values pressure, const Grid& grid, double hardness) {
   const auto rows = static_cast<std::int64_t>(grid.rows);
   const auto columns = static_cast<std::int64_t>(grid.columns);
   const double side_fraction = grid.line ? line_side_fraction : area_side_fraction;
-  // Beyond an edge of the grid, the point number is 0 or, on a periodic grid, the number at the opposite edge.
+  // Return the number of a point. Beyond an edge, it is 0 or, on a periodic grid, the number at the opposite edge.
   const auto at = [&](std::int64_t row, std::int64_t column) -> std::int32_t {
     if (row < 0 || row >= rows || column < 0 || column >= columns) {
       if (!grid.periodic) {

@@ -12,17 +12,17 @@
 namespace stiction {
 namespace {
 
-// In one row, the heights of 4 pairs of columns fill a cache line.
+// Number of pairs of columns per strip: in one row, the heights of 4 pairs of columns fill a cache line.
 constexpr Index pairs_per_strip = 4;
 
-// One Fourier transform differentiates two periodic lines, which are the real and the imaginary part of its input.
+// Derivatives of two periodic lines by one Fourier transform, whose input has one line as its imaginary part.
 class PairDerivative {
  public:
   PairDerivative(Index points, double spacing)
       : fft_(static_cast<std::size_t>(points)), factors_(static_cast<std::size_t>(points)) {
     const auto count = static_cast<double>(points);
     for (Index i = 0; i < points; ++i) {
-      // A wave with the Nyquist wavenumber has no slope at the grid points.
+      // A wave with the Nyquist wavenumber gets the slope 0, because heights at grid points do not define its slope.
       const Index waves = 2 * i == points ? 0 : (2 * i < points ? i : i - points);
       factors_[static_cast<std::size_t>(i)] =
           2.0 * std::numbers::pi * static_cast<double>(waves) / (count * spacing) / count;

@@ -10,7 +10,7 @@
 namespace stiction {
 namespace {
 
-// Conjugate gradients on the blocks end after this number of steps, or at this squared relative residual.
+// Conjugate gradients on blocks end after `max_block_steps`, or at the squared relative residual `block_tolerance`.
 constexpr int max_block_steps = 5;
 constexpr double block_tolerance = 1e-4;
 // The foundation stiffness is computed again if the number of free points has changed by more than this fraction.
@@ -23,8 +23,8 @@ double product(const std::vector<float>& left, const std::vector<float>& right) 
                             [](float a, float b) { return static_cast<double>(a) * static_cast<double>(b); });
 }
 
-// Call `visit(point, row, column)` for the indices of some grid points in increasing order.
-// Rows are counted, because dividing each index by the number of columns would take longer than most visits.
+// Call `visit(point, row, column)` for each of some grid points, given by their indices in increasing order.
+// The row is found by counting, because dividing an index by the number of columns would take longer than most visits.
 template <class Visit>
 void visit_points(std::span<const std::int32_t> points, std::size_t columns, Visit visit) {
   std::size_t row = points.empty() ? 0 : static_cast<std::size_t>(points[0]) / columns;
@@ -178,7 +178,7 @@ void Preconditioner::sum_on_blocks(std::span<const std::int32_t> free_points, st
   }
 }
 
-// The system is preconditioned by a half-space on a uniform foundation.
+// Solve the block system by conjugate gradients, preconditioned by a half-space on a uniform elastic foundation.
 // The foundation stiffness is rounded to a power of two, so that few different spectral filters are needed.
 void Preconditioner::solve_blocks(Workspace& workspace, const ThreadPool& pool) {
   const std::size_t size = loads_.size();

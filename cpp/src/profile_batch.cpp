@@ -21,7 +21,7 @@ Scaling find_scaling_or_throw(Values heights, const HeightStatistics& statistics
   return *scaling;
 }
 
-// The smallest gaps of a chunk are computed while the chunk is in the cache.
+// Scale two profiles chunk by chunk, and find the smallest gaps of each chunk while it is in the cache.
 Prefilter scale_and_prefilter(Values upper, const Scaling& upper_scaling, Values lower, const Scaling& lower_scaling,
                               std::span<double> scaled_upper, std::span<double> scaled_lower) {
   constexpr std::size_t chunk = 4 * Prefilter::block;

@@ -22,8 +22,8 @@ constexpr double max_length_factor = 2.0;
 constexpr double max_recovery_factor = 100.0;  // largest factor by which steps are lengthened after failed steps
 constexpr int max_failed_steps = 6;
 constexpr double failure_factor = 0.25;
-// Limit of the load change at a free point, relative to the load on all free points.
-// Without this limit, trial lengths would grow from step to step, because steps that end at a bound are too short.
+// Largest load change at a free point in one step, divided by the load on all free points.
+// Without this limit, trial lengths would grow in each step, because steps that end at a bound are too short.
 constexpr double max_change_ratio = 1e3;
 constexpr int max_newton_steps = 200;
 constexpr std::size_t grid_sum_lanes = 8;
@@ -37,8 +37,8 @@ void add_scaled(const float* response, std::size_t size, double factor, double* 
   }
 }
 
-// A point is free if 0 < pressure < bound, or if the gap at the point drives the pressure away from 0 or the bound.
-// Points without pressure whose gap is NaN count as free. Returns whether the block contains a free point.
+// Mark free points: 0 < pressure < bound, or the gap at the point drives the pressure away from 0 or from the bound.
+// A point without pressure is also free if its gap is NaN. Returns whether the block of points contains a free point.
 STICTION_MULTIVERSION
 bool mark_free(const double* pressure, const double* potential, const double* bound, std::size_t size, double approach,
                std::uint8_t* marks) {
@@ -148,8 +148,8 @@ std::size_t point(const std::vector<std::int32_t>& points, std::size_t k) {
   return static_cast<std::size_t>(points[k]);
 }
 
-// Return the shift for which pressures - shift, clipped to the range from 0 to the bounds, have the given sum.
-// The sum is a decreasing, piecewise linear function of the shift, solved by Newton's method within a bracket.
+// Return the shift for which the sum of all (pressure - shift), each clipped to [0, bound], has a given value.
+// The sum is a decreasing, piecewise linear function of the shift. The equation is solved by bracketed Newton's method.
 double shift_to_sum(std::span<const double> pressure, std::span<const double> bound, double sum,
                     const ThreadPool& pool) {
   double left = -std::numeric_limits<double>::infinity();
@@ -166,7 +166,7 @@ double shift_to_sum(std::span<const double> pressure, std::span<const double> bo
     }
     (excess > 0.0 ? left : right) = shift;
     double next = current.between > 0.0 ? shift + excess / current.between : left + 0.5 * (right - left);
-    // `next` is infinite or NaN if each pressure is at a bound and one end of the bracket is infinite.
+    // The Newton step fails if every pressure is clipped and one end of the bracket is infinite.
     if (!std::isfinite(next)) {
       const auto [lowest, highest] = std::minmax_element(pressure.begin(), pressure.end());
       const double max_bound = *std::max_element(bound.begin(), bound.end());
@@ -220,7 +220,7 @@ ProjectedCgSolver::ProjectedCgSolver(std::vector<double> pressure, double total,
   if (!(total > 0.0) || !(total < max_total)) {
     throw std::invalid_argument("ProjectedCgSolver: total must be positive and below the sum of the bounds");
   }
-  // If the points under pressure cannot carry the total load within their bounds, the step includes all points.
+  // If the points under pressure cannot carry the total load within their bounds, points without pressure are included.
   const auto include = [&](std::size_t i) {
     stepped_points_.push_back(static_cast<std::int32_t>(i));
     target_.push_back(pressure_[i]);
@@ -286,7 +286,7 @@ double ProjectedCgSolver::update_free_points(const ThreadPool& pool) {
       }
     });
   }
-  // `stepped_points_` contains every point whose pressure is strictly between its bounds.
+  // `stepped_points_` contains every point whose pressure is above 0 and below its bound.
   const float* response = pending_fraction_ != 0.0 ? pending_response_.data() : residual_.data();
   const ClippedSum between = sum_chunks<ClippedSum>(
       stepped_points_.size(), free_points_per_task, pool, [&](std::size_t first, std::size_t last) {
@@ -375,7 +375,7 @@ void ProjectedCgSolver::find_free_points(std::size_t first, std::size_t last, st
 }
 
 // Return an approach at which no point under pressure has a gap and no point without pressure overlaps.
-// If no approach meets both conditions, return the mean of the limits that the conditions set for the approach.
+// If no approach meets both conditions, return the mean of the largest loaded and the smallest unloaded potential.
 double ProjectedCgSolver::approach_from_bounds() const {
   double max_loaded = -std::numeric_limits<double>::infinity();
   double min_unloaded = std::numeric_limits<double>::infinity();
@@ -389,7 +389,7 @@ double ProjectedCgSolver::approach_from_bounds() const {
   return max_loaded <= min_unloaded ? max_loaded : min_unloaded + 0.5 * (max_loaded - min_unloaded);
 }
 
-// A run of constrained points lies between two free points. `visit` gets the positions of both in `free_points_`.
+// Call `visit` for each run of constrained points, with the positions in `free_points_` of the points around the run.
 // A run that wraps around the edge of the grid is passed as two segments.
 template <class Visit>
 void ProjectedCgSolver::for_each_constrained_run(Visit visit) const {
@@ -513,7 +513,7 @@ std::span<const float> ProjectedCgSolver::step(std::span<const float> preconditi
   restrict_to_free_points(preconditioned);
   conjugate_ = conjugate_ && !response.empty();
   struct Products {
-    // The load changes of the free points must add up to 0 in each step, or errors would grow from step to step.
+    // In each step, the load changes of the free points must add up to 0, or errors would grow from step to step.
     double load = 0.0;
     double value = 0.0;
     double step = 0.0;
@@ -661,8 +661,8 @@ bool ProjectedCgSolver::advance(std::span<const float> response, const ThreadPoo
     conjugate_ = false;
     return false;
   }
-  // A full step that is clipped at bounds is accepted if the energy decreases.
-  // A shortened step would leave pressure at points that the full step unloads completely.
+  // A full step whose pressures are clipped at bounds is accepted if the energy decreases.
+  // A shortened step would leave pressure at points at which the full step removes all pressure.
   const double fraction = clipped_
                               ? (optimum >= min_length_factor ? 1.0 : optimum)
                               : (optimum <= 1.0 ? optimum : std::min(optimum, std::max(max_feasible_fraction(), 1.0)));

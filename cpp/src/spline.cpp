@@ -25,7 +25,7 @@ void check(Values heights, double spacing, std::size_t size, std::span<double> s
   }
 }
 
-// At inner points, f''_(i-1) + 4 f''_i + f''_(i+1) = 6 (y_(i-1) - 2 y_i + y_(i+1)) / Δx². At both ends, f'' = 0.
+// Curvatures f'' satisfy f''_(i-1) + 4 f''_i + f''_(i+1) = 6 (y_(i-1) - 2 y_i + y_(i+1)) / Δx². At both ends, f'' = 0.
 
 double load_scale(double spacing) { return 6.0 / (spacing * spacing); }
 
@@ -37,7 +37,7 @@ void right_sides(const double* heights, Index size, double scale, double* result
   }
 }
 
-// The slope is the mean of the slopes of both adjacent cubics, so mirrored heights give mirrored slopes.
+// The slope at a point is the mean slope of the cubics on both sides, so that mirrored heights give mirrored slopes.
 STICTION_MULTIVERSION
 void slopes(const double* heights, const double* curvature, Index size, double spacing, double* result) {
   const double height_factor = 0.5 / spacing;
@@ -58,7 +58,7 @@ double last_slope(Values heights, double curvature_before, double spacing) {
   return (heights[size - 1] - heights[size - 2]) / spacing + spacing * curvature_before / 6.0;
 }
 
-// Number of grid points beyond which the curvature due to a unit load is negligible (0.268^28 = 1e-16).
+// Distance in grid points beyond which the curvature due to a unit load is negligible (0.268^28 = 1e-16).
 constexpr Index kernel_reach = 28;
 // A chunk plus one point on each side has a multiple of `stride` points.
 constexpr Index stride = 32;
@@ -67,7 +67,7 @@ static_assert((chunk + 2) % stride == 0);
 
 using Kernel = std::array<double, kernel_reach + 1>;
 
-// Element k of the kernel is the curvature at k points from a unit load that is far from both ends.
+// Element k of the kernel is the curvature at a distance of k points from a unit load far from both ends of a profile.
 const Kernel& unit_load() {
   static const Kernel kernel = [] {
     constexpr std::size_t middle = 3 * kernel_reach;
@@ -82,7 +82,7 @@ const Kernel& unit_load() {
   return kernel;
 }
 
-// result[i] = Σ_k kernel[|k|] values[i + k]. `size` is a multiple of `stride`.
+// Compute result[i] = Σ_k kernel[|k|] values[i + k]. `size` must be a multiple of `stride`.
 template <std::size_t Width>
 STICTION_INLINE void superpose_kernel(const double* values, const double* kernel, std::size_t size, double* result) {
   constexpr std::size_t packs = 4;
@@ -134,7 +134,7 @@ void natural_spline_from(Values heights, double spacing, Index first, std::span<
   const double* y = heights.data();
   const double scale = load_scale(spacing);
   const Index last = size - 1;
-  // Mirroring the load at both ends with opposite sign makes the curvature zero at both ends.
+  // The load is mirrored at both ends with opposite sign, which makes the curvature 0 at both ends.
   const auto load_at = [&](Index j) {
     const Index i = (j % (2 * last) + 2 * last) % (2 * last);
     const Index image = i > last ? 2 * last - i : i;

@@ -38,7 +38,7 @@ class Condition {
 
 }  // namespace
 
-// A round is one call of `run`, which does not wait for threads that have not started a task of this call.
+// A round is one call of `run`. The call does not wait for threads that have not yet started a task of the round.
 struct ThreadPool::Workers {
   using Work = std::function<void(std::size_t, std::size_t)>;
 
@@ -77,7 +77,7 @@ struct ThreadPool::Workers {
     }
   }
 
-  // Returns false, without an exception, if the system limits the number of threads: the caller can work alone.
+  // Returns whether the thread could be started. The system may limit the number of threads, so failure is no error.
   bool start_thread() {
     try {
       threads.emplace_back([this, thread = threads.size() + 1] { run(thread); });
@@ -118,7 +118,7 @@ struct ThreadPool::Workers {
     }
   }
 
-  // After an exception, the remaining tasks are counted but not run.
+  // Run tasks until none is left. After an exception, the remaining tasks are counted as finished, but not run.
   void run_tasks(const Round& current, std::size_t thread, const CancellationCheck& check_cancellation) {
     std::uint64_t ticket = next_task;
     while (ticket >> 32 == current.number && static_cast<std::uint32_t>(ticket) < current.tasks) {

@@ -36,7 +36,7 @@ Matrix paraboloid(Index rows, Index columns, double along_x, double along_y) {
 }  // namespace
 
 TEST_CASE("contact_geometry: relative curvatures are measured in the tangent plane") {
-  // On a slope p along x, with q = sqrt(1 + p²), a curvature along x is divided by q³, and a curvature across x by q.
+  // On a slope p along x, with q = sqrt(1 + p²), curvatures along x are divided by q³, and curvatures along y by q.
   constexpr double tolerance = 1e-14;
   const double p = 0.75;
   const double q = 1.25;
@@ -83,7 +83,7 @@ TEST_CASE("areal press: a paraboloid on a flat has one elliptic contact for all 
 }
 
 TEST_CASE("tangent: is a unit tangent and matches the sliding factors, also at walls along the motion") {
-  // In plan view, the normal n is turned by `turn` from -s. If n_z (`up`) and `turn` are small, (s·n) n - s is inexact.
+  // The angle between -s and the horizontal part of n is `turn`. If `turn` and n_z are small, (s·n) n - s is inexact.
   for (const double turn : {0.0, 1e-9, 1e-6, 1e-3, 0.5}) {
     for (const double up : {1e-12, 1e-3, 0.5}) {
       const double level = std::sqrt(1.0 - up * up);
@@ -107,7 +107,7 @@ TEST_CASE("areal press: an ellipse much larger than the map contributes the area
   for (const double approach : {1e3, 1e6, 1e9}) {
     const auto table = stiction::contacts(all_candidates, approach, stiction::HertzSphere{10.0}, {1.0, 0.0});
     REQUIRE(table.size() == 1);
-    // The ellipse covers the map, so the maximum force is the map area times the peak pressure 2 E* (d / R)^(1/2) / π.
+    // The ellipse covers the map. The force is at most the map area times the peak pressure 2 E* (d / R)^(1/2) / π.
     const double area = 40.0 * 30.0 * spacing * spacing;
     CHECK(table[0].area == doctest::Approx(area).epsilon(1e-12));
     const double radius = std::sqrt(table[0].radii.major * table[0].radii.minor);

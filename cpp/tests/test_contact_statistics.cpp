@@ -33,7 +33,7 @@ TEST_CASE("contact_statistics: returns load fractions and quantiles of three con
   CHECK(statistics.area_quantiles[0] == 1.5);
   CHECK(statistics.area_quantiles[1] == 2.0);
   CHECK(statistics.area_quantiles[2] == doctest::Approx(2.8).epsilon(round_off));
-  // On the axis of cumulative weight, the two pressures lie at 3/8 and 7/8 of the total weight.
+  // The two pressures are quantiles at the probabilities 3/8 and 7/8, at which their own weights are counted half.
   CHECK(statistics.pressure_quantiles[0] == 1.0);
   CHECK(statistics.pressure_quantiles[1] == doctest::Approx(1.25).epsilon(round_off));
   CHECK(statistics.pressure_quantiles[2] == 2.0);

@@ -29,7 +29,7 @@ std::vector<double> pseudo_random(std::size_t count) {
   return result;
 }
 
-// Reference result: each Fourier component is multiplied by factor(|k|), and the components are summed directly.
+// Reference result: multiply each Fourier component of `values` by factor(|k|), and add up the components one by one.
 template <class Factor>
 std::vector<double> filter_directly(const Grid& grid, const std::vector<double>& values, Factor factor) {
   std::vector<double> result(values.size(), 0.0);
@@ -65,7 +65,7 @@ std::vector<double> filter_directly(const Grid& grid, const std::vector<double>&
   return result;
 }
 
-// Reference result: direct summation over cells. Each cell is a uniformly loaded rectangle, or a segment of a line.
+// Reference result: add up the displacements due to single cells, which are loaded rectangles or segments of a line.
 std::vector<double> displacement_directly(const Grid& grid, const std::vector<double>& values) {
   const auto corner = [&](double x, double y) {
     if (grid.line) {

@@ -15,8 +15,8 @@ using stiction::hertz_ellipse;
 TEST_CASE("hertz_ellipse: matches Johnson's equations with GSL's elliptic integrals") {
   for (const double k : {0.99, 0.9, 0.5, 0.1, 0.02, 1e-3}) {
     const double e2 = 1.0 - k * k;
-    // Near k = 1, the terms of K - E and of E - k² K nearly cancel.
-    // Near k = 0, the round-off of e limits the accuracy of k² = 1 - e².
+    // Near the axis ratio k = 1, K - E and E - k² K lose digits, because their terms nearly cancel.
+    // Near the axis ratio k = 0, the round-off of e limits the accuracy of k² = 1 - e².
     const double tolerance = 1e-14 / e2 + 1e-15 / (k * k);
     const double first = gsl_sf_ellint_Kcomp(std::sqrt(e2), GSL_PREC_DOUBLE);
     const double second = gsl_sf_ellint_Ecomp(std::sqrt(e2), GSL_PREC_DOUBLE);
@@ -36,8 +36,8 @@ TEST_CASE("hertz_ellipse: tends to the sphere for equal and nearly equal radii")
   CHECK(sphere.major == doctest::Approx(2.5).epsilon(1e-15));
   CHECK(sphere.minor == doctest::Approx(2.5).epsilon(1e-15));
   CHECK(sphere.force_radius == doctest::Approx(2.5).epsilon(1e-15));
-  // For nearly equal radii, b/a = (shorter/longer)^(2/3) to first order.
-  // To second order, area and force are those of a sphere whose radius is the geometric mean of the nearly equal radii.
+  // For nearly equal radii of curvature, the axis ratio is b/a = (shorter radius / longer radius)^(2/3) to first order.
+  // To second order, contact area and force are those of a sphere whose radius is the geometric mean of both radii.
   for (const double excess : {1e-3, 1e-6, 1e-12}) {
     const Ellipse near = hertz_ellipse(1.0 + excess, 1.0);
     CHECK(std::abs(std::sqrt(near.minor / near.major) - (1.0 - 2.0 / 3.0 * excess)) < excess * excess + 1e-15);
@@ -47,7 +47,7 @@ TEST_CASE("hertz_ellipse: tends to the sphere for equal and nearly equal radii")
 }
 
 TEST_CASE("hertz_ellipse: matches the asymptotic formula for very long ellipses") {
-  // For k -> 0, K = ln(4/k), so ratio = k² (K - 1), a² = 2 d longer (1 - 1/K), b² = 2 d shorter / K.
+  // For axis ratios k -> 0: K = ln(4/k), shorter/longer = k² (K - 1), a² = 2 d longer (1 - 1/K), b² = 2 d shorter / K.
   for (const double k : {1e-7, 1e-20, 1e-100}) {
     const double first = std::log(4.0 / k);
     const double shorter = 0.7;

@@ -44,7 +44,7 @@ std::vector<double> sinusoids(const Grid& grid) {
   return heights;
 }
 
-// The heights contain 15 wavelengths on maps and 30 on lines.
+// Periodic heights that are the sum of 15 waves on maps, and of 30 waves on lines.
 std::vector<double> periodic_surface(const Grid& grid) {
   std::vector<double> heights(grid.size(), 0.0);
   for (int wave = 1; wave <= (grid.line ? 30 : 15); ++wave) {
@@ -133,7 +133,7 @@ TEST_CASE("HalfSpaceGrids: pressures on a free area displace all points in the d
   }
 }
 
-// Except at the highest loads, the solver computes displacements only at the few points that can come into contact.
+// Except at the highest loads, displacements are computed only at the few points that can come into contact.
 TEST_CASE("HalfSpaceSolver: satisfies the contact conditions on the whole grid if few points can come into contact") {
   const Grid grid{96, 80, 0.05, 0.06, false, false};
   const auto grids = std::make_shared<const HalfSpaceGrids>(grid, modulus);
@@ -145,7 +145,7 @@ TEST_CASE("HalfSpaceSolver: satisfies the contact conditions on the whole grid i
     misplaced[i] = i % 97 == 0 ? 0.01 : 0.0;
   }
   std::ptrdiff_t max_loaded = 0;
-  // If each point has its own bound, the solver always starts from the given pressures.
+  // If each point has its own pressure bound, the solver always starts from the pressures that it is given.
   for (const std::vector<double>& bound :
        {unbounded, std::vector<double>{0.5}, std::vector<double>(grid.size(), 0.5), uneven}) {
     const HalfSpaceSolver solver(gap, grids, bound, tolerance);
@@ -189,7 +189,7 @@ TEST_CASE("HalfSpaceSolver: finds points that come into contact only at a larger
 
 TEST_CASE("HalfSpaceSolver: edges of contacts that are extrapolated from coarser grids save iterations") {
   constexpr std::array loads{0.005, 0.01, 0.03, 0.05, 0.1};
-  // If pressures at contact edges were interpolated linearly, the grids would need 57, 59 and 60 iterations in total.
+  // If pressures were interpolated linearly at contact edges, the three grids would need 57, 59 and 60 iterations.
   constexpr std::int64_t max_iterations = 54;
   for (const Grid& grid :
        {Grid{256, 256, 1.0 / 256, 1.0 / 256, false, true}, Grid{255, 240, 1.0 / 255, 1.0 / 240, false, true},

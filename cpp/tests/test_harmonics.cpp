@@ -47,7 +47,7 @@ double direct_sum(const Matrix& phases, const std::vector<double>& weights, cons
 
 TEST_CASE(
     "harmonic_profiles: matches the direct sum for odd and even numbers of directions, with and without aliasing") {
-  // The tolerance is the round-off of a recurrence of block / lanes steps, times the sum of some hundred amplitudes.
+  // The tolerance is the round-off of block / lanes steps of a recurrence, times the sum of some hundred amplitudes.
   constexpr double tolerance = 2e-13;
   for (const Index directions : {1, 2, 7, 40}) {
     for (const bool band_limited : {false, true}) {
@@ -86,7 +86,7 @@ TEST_CASE("harmonic_profiles: invalid arguments and unresolvable phases throw") 
   refuses(phases, weights, {0.01, 0});
   refuses(phases, weights, {0.01, 10, -1.0});
   refuses(phases, weights, {0.01, 10, 1.0, 1.0});
-  // No long double resolves 1e40 turns, not even the 113-bit type on aarch64.
+  // A long double cannot resolve a phase of 1e40 turns, not even with the 113-bit mantissa on aarch64.
   refuses(phases, weights, {0.01, 10, 1.0, 1e8});
   CHECK_NOTHROW(stiction::harmonic_profiles(phases, weights, {0.01, 10, 1.0, 1e8, true}));
 }

@@ -44,13 +44,13 @@ double average(const Matrix& values, Index row, double fraction) {
 }  // namespace
 
 TEST_CASE("jackknife_sums: match sums of single repetitions in extended precision") {
-  // The tolerance is the round-off of a sum of some hundred doubles, relative to the sum of their magnitudes.
+  // The tolerance is the round-off of adding some hundred doubles, divided by the sum of their magnitudes.
   constexpr long double tolerance = 1e-14L;
   const std::vector<Index> curve{0, 1, 2, 2};
   const std::vector<Index> step{1, 3, 2, 2};
   const std::vector<double> fraction{0.25, 1.0, 0.0, 0.7};
   const std::vector<double> slope{0.5, 1.5, 0.0, -2.0};
-  // Leaving out one of few repetitions changes the mean by a large fraction. 300 repetitions do not fill whole chunks.
+  // Leaving out one of few repetitions changes the mean by a large fraction. 300 repetitions end within a chunk.
   for (const Index repetitions : {2, 5, 100, 300}) {
     const Matrix loads = random_values(repetitions, 1);
     const Matrix values = random_values(repetitions, 2);

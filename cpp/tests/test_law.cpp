@@ -47,7 +47,7 @@ TEST_CASE("JacksonGreen: equals Hertz below yield and tends to the hardness far 
   const ForceArea above = law(1.9 * critical * (1.0 + 1e-12), unit);
   CHECK(std::abs(above.force / below.force - 1.0) < 0.01);
   CHECK(above.area == doctest::Approx(below.area).epsilon(1e-11));
-  // The mean pressure of small contacts tends to the hardness, 2.84 S_y. The fit reproduces the hardness to within 5 %.
+  // The mean pressure of small plastic contacts tends to the hardness 2.84 S_y. The fit is within 5 % of the hardness.
   const ForceArea plastic = law(1000.0 * critical, unit);
   const double contact_radius = std::sqrt(plastic.area / std::numbers::pi);
   const double hardness = 2.84 * 0.2 * (1.0 - std::exp(-0.82 * std::pow(contact_radius, -0.7)));

@@ -69,7 +69,7 @@ TEST_CASE("natural_bicubic: interpolates the points and equals the profile splin
     }
     stiction::natural_spline(row, 1.0, slope, curvature);
     for (Index i = 0; i < columns; ++i) {
-      // At the end of a row or column, the spline is evaluated in the preceding cell, which gives the same value.
+      // At the last point of a row or column, the spline is evaluated in the preceding cell, with the same result.
       const Index column = std::min(i, columns - 2);
       const Index cell = std::min(j, rows - 2);
       const Jet at =
@@ -99,14 +99,14 @@ TEST_CASE("bicubic_at: derivatives match finite differences") {
 }
 
 TEST_CASE("minima: finds one minimum per period for any grid offset, and none on the edge") {
-  // The error of the slope is (2π/16)³ / 48 of the largest slope, of third order in the spacing.
+  // The error of the spline's slope is (2π/16)³ / 48 of the largest slope. This error is of third order in the spacing.
   constexpr double tolerance = 2e-3;
   for (const double shift : {0.0, 1e-9, 0.25, 0.5, 0.9999999999}) {
     const Matrix coefficients = coefficients_of(65, 97, [&](double x, double y) {
       return -std::cos(2 * pi * (x - shift - 8) / 16) - std::cos(2 * pi * (y + shift - 8) / 16);
     });
     const auto result = minima(coefficients, no_limit);
-    // Along each axis, there is one minimum every 16 points. The first minimum is at point 8 + shift from the left.
+    // There is one minimum every 16 points along each axis. The first minimum is at x = 8 + shift and y = 8 - shift.
     REQUIRE(result.size() == 4 * 6);
     for (const Minimum& local_minimum : result) {
       CHECK(std::abs(std::remainder(static_cast<double>(local_minimum.column) + local_minimum.u - shift - 8, 16)) <
@@ -128,7 +128,7 @@ TEST_CASE("minima: finds the same minima of rough maps as multistart Newton") {
     constexpr Index size = 40;
     const Matrix coefficients = noise(size, size, seed);
     const auto result = minima(coefficients, no_limit);
-    // Reference result: Newton's method from 64 starting points in every cell, restricted to that cell.
+    // Reference result: minima found in each cell by Newton's method from 64 starting points in the cell.
     std::size_t expected_count = 0;
     for (Index row = 0; row < size - 1; ++row) {
       for (Index column = 0; column < size - 1; ++column) {

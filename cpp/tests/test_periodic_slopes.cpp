@@ -17,7 +17,7 @@ TEST_CASE("periodic_slopes: returns exact slopes of waves for odd and even numbe
       CAPTURE(rows);
       CAPTURE(columns);
       const double x_number = 2.0 * 2.0 * std::numbers::pi / (static_cast<double>(columns) * spacing_x);
-      // Two rows can only contain a wave with the Nyquist wavenumber, whose slope is zero at the points.
+      // Along two rows, heights can only vary with the Nyquist wavenumber, at which the computed slope is 0.
       const double y_number = 2.0 * std::numbers::pi / (static_cast<double>(rows) * spacing_y);
       Matrix heights(rows, columns);
       Matrix expected_x(rows, columns);

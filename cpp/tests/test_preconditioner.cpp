@@ -80,7 +80,7 @@ TEST_CASE("Preconditioner: recovers pressures of long wavelength from their disp
       std::vector<float> displacement(area.size());
       fixture.kernel.displacement(pressure, displacement, fixture.workspace);
       const auto recovered = fixture.preconditioner(points, restricted_to(points, displacement), fixture.workspace);
-      // With the stencil alone, recovered pressures of the longest wavelength would be 3 to 20 times too large.
+      // With the stencil alone, the recovered pressures would be 3 to 20 times too large at the longest wavelength.
       const double ratio = product(points, recovered, pressure) / product(points, pressure, pressure);
       CHECK(ratio > 0.5);
       CHECK(ratio < 2.0);
@@ -103,7 +103,7 @@ TEST_CASE("Preconditioner: is symmetric and positive, to the tolerance of the bl
 }
 
 TEST_CASE("Preconditioner: applies the stencil periodically at each free point") {
-  // The stencil weights add up to 0, so the correction by blocks of points vanishes.
+  // The weights of this stencil add up to 0, which makes the correction by blocks of points vanish.
   const Grid small{3, 4, 0.1, 0.1, false, true};
   const ElasticKernel blocks(Preconditioner::block_grid(small), modulus);
   const std::vector<double> stencil{0.0, 0.0, 0.0, -3.0, 0.0, 1.0, 0.0, 2.0, 0.0};

@@ -55,7 +55,7 @@ struct Springs {
 }  // namespace
 
 TEST_CASE("ProjectedCgSolver: independent springs under pressure have equal potentials") {
-  // The load of 10 closes three gaps of springs with a stiffness of 2: 2 (δ + (δ - 1) + (δ - 2)) = 10, so δ = 8/3.
+  // The load of 10 closes three gaps. For a spring stiffness of 2, 2 (δ + (δ - 1) + (δ - 2)) = 10, so δ = 8/3.
   for (const bool line : {false, true}) {
     const auto solver = Springs{{0.0, 1.0, 2.0, 9.0}, 2.0}.solve(10.0, none, line);
     const std::array<double, 4> expected{16.0 / 3.0, 10.0 / 3.0, 4.0 / 3.0, 0.0};
@@ -69,7 +69,7 @@ TEST_CASE("ProjectedCgSolver: independent springs under pressure have equal pote
 }
 
 TEST_CASE("ProjectedCgSolver: a bound limits the pressure and other points carry the remaining load") {
-  // The first spring carries its maximum load of 4, so 2 ((δ - 1) + (δ - 2)) = 6 and δ = 3.
+  // Spring 1 carries its maximum load of 4. Springs 2 and 3 carry 2 ((δ - 1) + (δ - 2)) = 6, so the approach δ is 3.
   const auto solver = Springs{{0.0, 1.0, 2.0, 9.0}, 2.0}.solve(10.0, {4.0}, false);
   const std::array<double, 4> expected{4.0, 4.0, 2.0, 0.0};
   for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -78,7 +78,7 @@ TEST_CASE("ProjectedCgSolver: a bound limits the pressure and other points carry
 }
 
 TEST_CASE("ProjectedCgSolver: respects a separate bound for each point") {
-  // The bounds limit the pressures of spring 2 and spring 3 to 0 and 1, so 2 (δ + (δ - 4)) = 9 and δ = 4.25.
+  // The bounds limit the loads of springs 2 and 3 to 0 and 1. Springs 1 and 4 carry 2 (δ + (δ - 4)) = 9, so δ = 4.25.
   for (const bool line : {false, true}) {
     const auto solver = Springs{{0.0, 1.0, 2.0, 4.0}, 2.0}.solve(10.0, {100.0, 0.0, 1.0, 9.0}, line);
     const std::array<double, 4> expected{8.5, 0.0, 1.0, 0.5};
@@ -103,7 +103,7 @@ TEST_CASE("ProjectedCgSolver: with the whole load at the bounds, the approach li
 
 TEST_CASE("ProjectedCgSolver: steps in which all points reach their bounds preserve the load") {
   ProjectedCgSolver solver(std::vector<double>{0.5, 0.9, 0.1}, 1.5, std::vector<double>{1.0}, false);
-  // Each step shifts the load from one of two points to the other, and the optimal step length grows with each step.
+  // Each step moves load from one of the first two points to the other. The optimal step length grows with each step.
   for (int count = 0; count < 100; ++count) {
     const bool odd = count % 2 == 1;
     solver.restart(std::vector<double>{odd ? 1.0 : 0.0, odd ? 0.0 : 1.0, 3.0});
@@ -128,7 +128,7 @@ TEST_CASE("ProjectedCgSolver: projects the initial pressure onto the bounds and 
 }
 
 TEST_CASE("ProjectedCgSolver: holds the points that a direction would push beyond their bounds") {
-  // At the mean potential 1.4, the points 0 and 3 are free at their bounds. The mean direction is 0.
+  // The mean potential of the four points is 1.4. It drives the pressures of points 0 and 3 away from their bounds.
   const std::vector<double> bound{3.0, 3.0, 3.0, 3.0};
   ProjectedCgSolver solver({0.0, 1.0, 1.0, 3.0}, 5.0, bound, false);
   solver.restart({0.8, 1.0, 2.0, 1.8});
@@ -139,7 +139,7 @@ TEST_CASE("ProjectedCgSolver: holds the points that a direction would push beyon
   CHECK(solver.hold_points_at_bounds(std::vector<float>{-1.0F, 2.0F, -2.0F, 1.0F}));
   const std::vector<std::int32_t> free_points(solver.free_points().begin(), solver.free_points().end());
   CHECK(free_points == std::vector<std::int32_t>{1, 2});
-  // The mean potential of the remaining points is 1.5.
+  // The mean potential of points 1 and 2, which are not held, is 1.5.
   CHECK(std::vector<float>(residual.begin(), residual.end()) == std::vector<float>{0.0F, 0.5F, -0.5F, 0.0F});
   CHECK_FALSE(solver.hold_points_at_bounds(std::vector<float>{-1.0F, 2.0F, -2.0F, 1.0F}));
   ProjectedCgSolver line({1.0, 1.0}, 2.0, none, true);

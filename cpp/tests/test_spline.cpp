@@ -35,7 +35,7 @@ Derivatives derivatives(const std::vector<double>& heights, double spacing) {
 
 TEST_CASE("natural_spline: matches GSL's spline at its knots") {
   constexpr double spacing = 0.25;
-  // GSL computes the slope from one cubic, natural_spline from two. Their round-off is proportional to 1/spacing.
+  // GSL computes a slope from one cubic, natural_spline from two cubics. Their round-off is proportional to 1/spacing.
   constexpr double tolerance = 1e-12;
   for (const std::size_t size : {4U, 5U, 64U, 1001U}) {
     const std::vector<double> heights = rough_heights(size);

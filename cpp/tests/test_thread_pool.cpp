@@ -22,7 +22,7 @@ std::atomic<int> creatable_threads{std::numeric_limits<int>::max()};
 
 }  // namespace
 
-// Replace pthread_create of the C library, which `std::thread` calls.
+// Replaces pthread_create of the C library, which `std::thread` calls, to limit the number of threads.
 extern "C" int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*start)(void*),
                               void* argument) {
   static const auto create = reinterpret_cast<decltype(&pthread_create)>(dlsym(RTLD_NEXT, "pthread_create"));

@@ -1,4 +1,4 @@
-// Test of reentrancy: concurrent threads compute the results of a single thread, also under the thread sanitizer.
+// Test of reentrancy: concurrent threads must compute the same results as a single thread.
 #include "stiction/amplitude.hpp"
 #include "stiction/contact.hpp"
 #include "stiction/harmonics.hpp"
@@ -43,7 +43,7 @@ std::vector<double> press_profiles(unsigned seed) {
 
 TEST_CASE("library: concurrent threads obtain the results of a single thread") {
   constexpr unsigned tasks = 8;
-  // The concurrent threads run before the single thread, so that they compete for each one-time initialisation.
+  // The concurrent threads run first, so that they compete for the initialisation of static variables.
   std::vector<std::vector<double>> together(tasks);
   std::vector<std::thread> threads;
   for (unsigned task = 0; task < tasks; ++task) {

@@ -22,7 +22,7 @@ struct HeightStatistics {
   double max;
 };
 
-/// The statistics do not depend on chunk sizes if every chunk except the last contains a multiple of `lanes` heights.
+/// If every chunk except the last contains a multiple of `lanes` heights, the statistics do not depend on chunk sizes.
 class HeightAccumulator {
  public:
   static constexpr std::size_t lanes = 32;
@@ -50,7 +50,8 @@ std::optional<Scaling> find_scaling(double amplitude, AmplitudeMeasure measure, 
 
 void scale(Values heights, const Scaling& scaling, std::span<double> scaled);
 
-/// Scale `heights` to zero mean and to `amplitude` [µm]. Returns false without writing if the profile is flat.
+/// Scale `heights` [µm] to zero mean and to the amplitude `amplitude` [µm].
+/// If the profile is flat, returns false and leaves the heights unchanged.
 bool scale_to_amplitude(Values heights, double amplitude, AmplitudeMeasure measure, std::span<double> scaled);
 
 }  // namespace stiction

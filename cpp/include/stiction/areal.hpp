@@ -1,14 +1,14 @@
-// Contact of two height maps. Each contact is a Hertzian ellipse at a local minimum of the spline of the gap.
+// Contact of two height maps. Each contact is a Hertzian ellipse at a local minimum of the spline through the gap.
 //
 // The x axis points along a row of a map and the y axis along a column. Both maps have the same grid.
-// The approach [µm] is the displacement of the upper surface towards the lower after the first grid points touch.
-// The contact normal is kept constant as the overlap grows: its rotation is of second order in overlap/radius.
+// The approach [µm] is the displacement of the upper surface towards the lower since the first contact of grid points.
+// The contact normal stays constant as the overlap grows, because its rotation is of second order in overlap/radius.
 //
 // Round-off must not decide whether a nearly level minimum of the gap is a contact.
 // The following rules make the result independent of rotating, mirroring, swapping or shifting the pair of maps:
 // - A level valley or plateau of the gap (see `level_fraction`) has no single lowest point, so it is not a contact.
-// - A grid point on a level plateau counts as a grid minimum of the gap, although the spline has no minimum there.
-// - A point of a surface counts as a summit if the surface is flat there in one or both directions, but not concave.
+// - A grid point on a level plateau of the gap counts as a grid minimum, although the spline has no minimum there.
+// - A point of a surface counts as a summit unless the surface is concave there in some direction. It may be level.
 // - A contact whose slope along the motion is zero does not oppose the motion.
 #pragma once
 
@@ -41,7 +41,7 @@ struct ContactGeometry {
 };
 
 /// Compute the contact geometry from the slope p and a positive definite Hessian matrix [1/µm] of the gap.
-/// The principal curvatures are the eigenvalues of the matrix in the metric I + p pᵀ, divided by sqrt(1 + p²).
+/// The principal curvatures are the eigenvalues of the Hessian matrix in the metric I + p pᵀ, divided by sqrt(1 + p²).
 ContactGeometry contact_geometry(const Vector2& slope, double xx, double xy, double yy);
 
 /// Local minimum of the gap. The surfaces touch at the minimum if the approach is larger than the member `gap`.
@@ -49,7 +49,7 @@ struct ArealCandidate {
   Index row;  ///< (row, column) is the first grid point of the cell that contains the minimum
   Index column;
   Vector3 position;  ///< position of the minimum on the lower surface [µm]
-  /// Gap [µm] at the minimum for zero approach; negative if the spline dips below the gaps at all grid points.
+  /// Gap [µm] at the minimum for zero approach; negative if the spline dips below the smallest gap on the grid.
   double gap;
   double edge_overlap;  ///< overlap [µm] at which the contact ellipse of elastic bodies reaches the edge of the map
   Vector3 normal;
@@ -72,10 +72,10 @@ struct ArealCandidates {
   Index columns;
 };
 
-/// Two heights count as equal if they differ by less than this fraction of the largest height.
+/// Two heights count as equal if they differ by less than this fraction of the largest height of the map.
 inline constexpr double round_off_fraction = 0x1p-46;
 
-/// Derivatives with respect to grid indices [µm] count as zero up to this fraction of (largest gap - smallest gap).
+/// Derivatives of the gap per grid step [µm] count as zero up to this fraction of (largest gap - smallest gap).
 inline constexpr double level_fraction = 0x1p-26;
 
 /// Find all contact candidates with a gap of at most `deepest` (>= 0) [µm].
@@ -93,7 +93,7 @@ struct ArealSums : Sums {
   double load_at_edge = 0.0;        ///< Σ F n_z [mN] of contacts whose ellipse is cut by the edge of the map
   /// Number of grid minima: points whose gap is at most the approach, and at most the gap of every neighbour.
   Index grid_minimum_count = 0;
-  /// Number of grid minima without a minimum of the spline in the four adjacent cells.
+  /// Number of grid minima for which the spline of the gap has no minimum in the four adjacent cells.
   Index unanswered_count = 0;
 };
 
@@ -119,7 +119,7 @@ inline constexpr std::array areal_quantities{
                   &ArealSums::unanswered_count},
 };
 
-/// List the contacts at one approach (>= 0) [µm], in the order of the candidates.
+/// List the contacts at one approach (>= 0) [µm]. Contacts have the same order as their candidates.
 /// The index of a contact is the index of its map cell: row · columns + column.
 std::vector<Contact> contacts(const ArealCandidates& candidates, double approach, const Law& law,
                               const Vector2& direction);

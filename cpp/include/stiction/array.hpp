@@ -1,8 +1,8 @@
 // Types of matrices and vectors: double precision, row-major order. The file values.hpp lists the units.
 //
-// In compiled functions of the library, no argument, result or variable is an Eigen array that owns its memory.
-// Flags such as -mavx change how Eigen allocates memory, and the linker keeps one version of each Eigen function.
-// Code compiled with different flags could free an Eigen array by a function that does not match its allocation.
+// In functions compiled into the library, no argument, result or variable is an Eigen array that owns its memory.
+// Flags such as -mavx change how Eigen allocates memory, but the linker keeps one version of each Eigen function.
+// Code compiled with other flags could therefore free an Eigen array by a function that does not match its allocation.
 #pragma once
 
 #include "stiction/values.hpp"

@@ -25,7 +25,7 @@ struct Asperity {
 
 /// Compute the osculating sphere at a point of a profile with slope f' [-] and curvature f'' [1/µm].
 /// With q = sqrt(1 + f'²), the lower surface has the normal (-f', 0, 1)/q and the radius R = -q³/f''.
-/// For the upper surface, the normal and the radius have the opposite sign.
+/// The upper surface has the normal (f', 0, -1)/q and the radius R = q³/f''.
 Asperity asperity(double slope, double curvature, Side side);
 
 struct Asperities {

@@ -19,7 +19,7 @@ struct Radii {
   double major;  ///< the larger radius
   double minor;
 
-  /// Return the geometric mean of both radii, without the round-off of a square root if the radii are equal.
+  /// Return the geometric mean of the two principal radii. If both are equal, return this radius without round-off.
   double mean() const { return major == minor ? major : std::sqrt(major) * std::sqrt(minor); }
 };
 
@@ -35,8 +35,8 @@ enum class Curvature { convex, signed_ };
 
 /// Asperity pair of two spheres, at most one of which is concave (Eq. 4).
 /// At the penetration p = approach - gap, the vector between the sphere centres is X = -p e_z + R_l n_l - R_u n_u.
-/// The overlap is R_u + R_l minus the signed length of X, evaluated as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|).
-/// On nearly flat surfaces, the difference of the large numbers R_u + R_l and |X| would lose all correct digits.
+/// The overlap is R_u + R_l minus the signed length of X, computed as ((R_u + R_l)² - X²) / (|R_u + R_l| + |X|).
+/// On nearly flat surfaces, subtracting |X| from R_u + R_l would lose all correct digits, because both are large.
 /// The contact centre is computed from the smaller sphere, because the larger radius would cause cancellation.
 struct SpherePair {
   Vector3 separation;      ///< vector X at penetration p = 0 [µm]
@@ -51,7 +51,7 @@ struct SpherePair {
 
   ContactPoint contact_at(double approach) const;
   bool is_separated(double approach) const;
-  /// Return the numerator of the overlap, (R_u + R_l)² - X² [µm²], with the sign of R_u R_l.
+  /// Return (R_u + R_l)² - X² [µm²], the numerator of the overlap, multiplied by the sign of R_u R_l.
   double overlap_numerator(double penetration) const {
     return sign * (misalignment + penetration * (2.0 * separation.z() - penetration));
   }
@@ -79,7 +79,7 @@ std::optional<SphereOnFlat> sphere_on_flat(const Asperity& sphere, Side sphere_s
 
 Radii radii(const AsperityPair& asperity_pair);
 
-/// The class `crossed` means that the normal points downwards, because the sphere centres have passed each other.
+/// `crossed` means that the contact normal points downwards, because the sphere centres have passed each other.
 enum class ContactClass { no_contact, crossed, contact };
 
 /// In a contact, the asperities overlap, and the contact centre lies in [-half_cell, half_cell) along x (Eq. 5).

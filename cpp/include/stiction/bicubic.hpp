@@ -9,10 +9,11 @@ namespace stiction {
 constexpr Index min_map_points = 4;
 
 /// Replace heights [µm], at least 4 by 4, by the coefficients [µm] of the B-spline that interpolates the heights.
-/// On entry, `coefficients` contains the heights, except in the outermost rows and columns, which are only written.
+/// On entry, `coefficients` contains the heights, except in its first and last row and column, which are only written.
 void natural_bicubic(Eigen::Ref<Matrix> coefficients);
 
-/// Compute slopes along the rows (x) and, if there are several rows, along the columns (y). `spacing` is (Δx, Δy) [µm].
+/// Compute slopes of a map along its rows (x) and, if it has several rows, along its columns (y).
+/// `spacing` is (Δx, Δy) [µm].
 void natural_slopes(const MatrixView& heights, const Vector2& spacing, Eigen::Ref<Matrix> along_x,
                     Eigen::Ref<Matrix> along_y);
 

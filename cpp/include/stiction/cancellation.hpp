@@ -13,7 +13,7 @@ class CancellationCheck {
   CancellationCheck() = default;
   explicit CancellationCheck(std::function<void()> callback) : callback_(std::move(callback)) {}
 
-  /// Run the callback on every 32nd call only, because the callback may take longer than a step of the calculation.
+  /// Run the callback only in every 32nd call of this operator, because the callback may be slow.
   void operator()() const {
     if (callback_ && ++calls_ % 32 == 0) {
       callback_();

@@ -1,6 +1,6 @@
 // Contact candidates of two profiles: the points where the profiles may touch, for any contact law.
 //
-// The approach is the displacement of the upper surface towards the lower surface after the first grid points touch.
+// The approach is the displacement of the upper surface towards the lower since the first contact of grid points.
 // A profile that is straight to within round-off counts as a flat with the normal of the straight line.
 #pragma once
 
@@ -33,7 +33,7 @@ struct ProfilePair {
 struct Candidate {
   /// Index of the grid point at the candidate or, with `gap_minimum`, of the grid point to the left of the minimum.
   Index index;
-  /// Position of the candidate on the lower surface [µm], in the frame of the lower profile.
+  /// Position of the candidate [µm] on the lower surface, in the coordinates of the lower profile.
   Vector3 position;
   /// Gap [µm] at zero approach; negative at a minimum between grid points that is below the gap at all grid points.
   double gap;
@@ -42,7 +42,7 @@ struct Candidate {
 };
 
 /// Call `visit(candidate)`, from left to right, for every candidate with a gap of at most `deepest` (>= 0) [µm].
-/// Detection::cell may omit candidates whose contact centre is outside their cell at every approach up to `deepest`.
+/// Detection::cell may omit a candidate whose contact centre is outside its cell at every approach up to `deepest`.
 /// Throws std::invalid_argument unless both profiles have equally many finite heights (>= 4) and a positive spacing.
 void for_each_candidate(const ProfilePair& pair, double deepest, Detection detection, Curvature curvature,
                         const std::function<void(const Candidate&)>& visit,

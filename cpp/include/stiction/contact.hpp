@@ -20,7 +20,7 @@ struct ContactModel {
   Sliding sliding = Sliding::opposing;
 };
 
-/// A single contact of two surfaces. Positions are in the frame of the lower surface.
+/// A single contact of two surfaces. Positions are in the coordinates of the lower surface.
 struct Contact {
   Index index;      ///< index of the candidate
   Vector3 centre;   ///< centre of the contact [µm]
@@ -35,7 +35,7 @@ struct Contact {
   bool opposing;
 };
 
-/// List the contacts at one approach (>= 0) [µm], in the order of the grid.
+/// List the contacts at one approach (>= 0) [µm], in the order of their grid points.
 /// Throws std::invalid_argument for invalid arguments, and if the approach exceeds `deepest` of the candidates.
 std::vector<Contact> contacts(const ProfilePair& pair, double approach, const ContactModel& model,
                               const CancellationCheck& check_cancellation = {});

@@ -20,7 +20,7 @@ struct ContactTable {
   Values weight;                  ///< weight of each pressure, proportional to the area with this pressure
 };
 
-/// Statistics of the contacts at one load. Load fractions refer to the load on all contacts.
+/// Statistics of the contacts at one load. Load fractions are fractions of the load on all contacts together.
 struct ContactStatistics {
   double fraction_on_largest = 0.0;        ///< load fraction on the contact with the largest force
   double fraction_at_edge = 0.0;           ///< load fraction on contacts that reach the edge of the grid
@@ -30,15 +30,16 @@ struct ContactStatistics {
 };
 
 /// `probabilities` are the probabilities of the quantiles. Small contacts cover at most `max_small_cells` grid cells.
-/// A pressure is the quantile at the probability (weight of smaller pressures + half its own weight) / (total weight).
-/// Throws std::invalid_argument for an empty table, arrays of different length, or decreasing `probabilities`.
+/// A pressure p is the quantile at (weight of all smaller pressures + half the weight of p) / (total weight).
+/// Throws std::invalid_argument for an empty table, arrays of different lengths, or decreasing `probabilities`.
 ContactStatistics contact_statistics(const ContactTable& table, Values probabilities, double max_small_cells);
 
 /// Throws std::invalid_argument in the same cases as `contact_statistics`, and if a point is not on the grid.
 ContactStatistics patch_statistics(const ContactView& contact, const Grid& grid, Values probabilities,
                                    double max_small_cells);
 
-/// Return the load fraction on marked grid points. Throws std::invalid_argument if a point is not on the grid.
+/// Return the fraction of the load on a contact that acts on marked grid points.
+/// Throws std::invalid_argument if a point of the contact is not on the grid.
 double load_fraction_on_marked_points(const ContactView& contact, std::span<const bool> marks);
 
 }  // namespace stiction

@@ -11,8 +11,8 @@
 
 namespace stiction {
 
-/// Displacement [µm] of selected grid points of an area due to pressures [GPa] on the same points.
-/// The cost increases with the square of the number of points, but does not depend on the size of the grid.
+/// Displacements [µm] of selected grid points of an area due to pressures [GPa] on the selected points only.
+/// The computing time increases with the square of the number of selected points, but does not depend on the grid size.
 class DenseKernel {
  public:
   /// `influence` contains the displacement [µm/GPa] of each grid point due to a pressure on the first grid point.
@@ -20,11 +20,11 @@ class DenseKernel {
   /// Throws std::invalid_argument for 2³¹ grid points or more, or unless `influence` has one value per grid point.
   DenseKernel(Values influence, const Grid& grid, std::vector<std::size_t> points);
 
-  /// Return the symmetric matrix of displacements due to unit pressures [µm/GPa], in row-major order.
+  /// Return, row by row, the symmetric matrix of the displacements due to unit pressures on the points [µm/GPa].
   template <class Real>
   std::vector<Real> matrix() const;
 
-  /// Both arrays have one value for each grid point. Values at grid points outside `points` are not read or changed.
+  /// Both arrays have one value per grid point. Values at grid points that are not selected are not read or changed.
   void displacement(Values pressure, std::span<double> displacements) const;
 
   void displacement(std::span<const float> pressure, std::span<float> displacements);

@@ -13,7 +13,8 @@
 
 namespace stiction {
 
-/// Smallest gaps on the whole grid and in each block of points. Blocks whose gaps exceed the approach have no contact.
+/// Smallest gap on the whole grid, and smallest gap in each block of grid points.
+/// A block of grid points contains no contact if its smallest gap exceeds the approach.
 struct Prefilter {
   static constexpr std::size_t block = 64;
 
@@ -35,15 +36,15 @@ struct IndexRange {
   std::size_t end;
 };
 
-/// Return index ranges, from left to right, with all grid points whose gap at zero approach is at most `max_gap` [µm].
+/// Return ranges of grid indices that contain every grid point whose gap at zero approach is at most `max_gap` [µm].
 std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap);
 
-/// Return an upper bound [µm] on the distance by which the spline of the gap dips below the smallest gap on the grid.
-/// The bound is 3/8 of the largest second difference D of the gap between successive points:
-/// |f''| <= 3 D/Δx² for a natural spline, and a dip is at most Δx²/8 max |f''|.
+/// Return an upper bound [µm] of the distance by which the spline of the gap dips below the smallest gap on the grid.
+/// The bound is 3/8 D, where D is the largest second difference of the gap between successive grid points.
+/// A natural spline f has |f''| <= 3 D/Δx², and dips by at most Δx²/8 max |f''| between two grid points.
 double max_dip(Values upper, Values lower);
 
-/// Return whether a profile is straight to within round-off of its largest |height| `max_abs` [µm].
+/// Return whether a profile is straight to within the round-off of heights up to `max_abs`, its largest |height| [µm].
 bool is_straight(Values heights, double max_abs);
 
 struct Derivatives {
@@ -53,9 +54,10 @@ struct Derivatives {
   const double* lower_curvature;
 };
 
-/// Mark all points at which contact is possible for some approach up to `max_approach` [µm], and possibly more points.
+/// Mark all grid points at which contact is possible for some approach up to `max_approach` [µm].
+/// Some grid points at which no contact is possible may also be marked.
 /// Contact is possible where both profiles are convex and the contact centre passes through the cell of the point.
-/// `zero` [µm] is the smallest height difference (upper - lower) on the grid, at which the approach is zero.
+/// `zero` [µm] is the smallest height difference (upper - lower) on the grid. Gaps are height differences minus `zero`.
 void mark_cells(Derivatives derivatives, const double* upper, const double* lower, std::size_t size, double zero,
                 double max_approach, double half_cell, unsigned char* marks);
 
@@ -63,7 +65,7 @@ void mark_cells(Derivatives derivatives, const double* upper, const double* lowe
 /// `size` intervals have size + 1 ends, so `derivatives` must contain size + 1 elements.
 void mark_minima(Derivatives derivatives, std::size_t size, unsigned char* marks);
 
-/// Return the position of the local minimum of the spline of the gap in an interval [0, spacing) [µm], if there is one.
+/// Return the position [µm] of a local minimum of the spline of the gap in the interval from 0 to `spacing`, if any.
 /// A minimum at a grid point belongs to the interval on its right. The first point of a profile is never a minimum.
 std::optional<double> gap_minimum(double slope, double curvature, double next_slope, double next_curvature,
                                   double spacing, bool at_first_point = false);
@@ -83,7 +85,7 @@ inline std::optional<double> gap_minimum(double slope, double curvature, double 
   // The sign of the curvature selects the form of the quadratic formula that avoids cancellation.
   const double t = curvature >= 0.0 ? -2.0 * slope / (curvature + root) : (root - curvature) / (2.0 * half_rate);
   if (slope < 0.0 && next_slope > 0.0) {
-    // If the slope changes sign from - to +, the interval contains a minimum, and t lies outside it only by round-off.
+    // If the slope changes from negative to positive, only round-off can move t outside the interval.
     return std::clamp(t, 0.0, spacing);
   }
   return t > 0.0 && t < spacing ? std::optional(t) : std::nullopt;

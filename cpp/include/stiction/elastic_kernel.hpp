@@ -42,12 +42,12 @@ class Workspace {
   std::unique_ptr<Buffers> buffers_;
 };
 
-/// Displacement [µm] of a half-space with effective modulus E* [GPa] > 0 due to pressures [GPa] on a grid.
+/// Displacements [µm] of the surface of a half-space with effective modulus E* [GPa] > 0 due to pressures [GPa].
 ///
-/// On a periodic grid, the Fourier component with the wavenumber k is multiplied by 2/(E*|k|), or by 0 if k = 0.
-/// On a free grid, the displacements of uniformly loaded cells are superposed on a grid of twice the size.
+/// On a periodic grid, the Fourier component of the pressures with wavenumber k is multiplied by 2/(E*|k|); 0 if k = 0.
+/// On a free grid, the displacements due to uniformly loaded cells are added up on a grid of twice the size.
 /// Sources: Love 1929; Johnson, Contact Mechanics (1985), eq. 3.25.
-/// The approximate inverse E*|k|/2 is periodic even on a free grid, where it serves only as a preconditioner.
+/// Even on a free grid, the stiffness E*|k|/2 is that of a periodic surface, so it serves only as a preconditioner.
 class ElasticKernel {
  public:
   /// Throws std::invalid_argument if the grid is empty, or if a spacing or the modulus is not positive.
@@ -59,7 +59,7 @@ class ElasticKernel {
   const Grid& grid() const { return grid_; }
 
   /// `pressure` and `displacements` may be the same array.
-  /// Unless `rows` is empty, only the displacements in these rows of an areal grid are computed and written.
+  /// On areas, displacements are computed and written only in the grid rows `rows`, or in all rows if it is empty.
   void displacement(Values pressure, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool(), std::span<const std::size_t> rows = {}) const;
 
@@ -70,7 +70,7 @@ class ElasticKernel {
   void apply_stiffness(std::span<const float> values, std::span<float> result, Workspace& workspace,
                        const ThreadPool& pool = ThreadPool()) const;
 
-  /// Multiply each Fourier component of `loads` by 1/(E*|k|/2 + foundation), where k is its wavenumber.
+  /// Multiply each Fourier component of `loads` by 1/(E*|k|/2 + foundation), where k is the component's wavenumber.
   /// `foundation` [GPa/µm] > 0 is the stiffness of a uniform elastic foundation.
   void apply_foundation_compliance(std::span<const float> loads, double foundation, std::span<float> result,
                                    Workspace& workspace, const ThreadPool& pool = ThreadPool()) const;
@@ -89,8 +89,8 @@ class ElasticKernel {
 /// Pressures [GPa] that displace the surface of a half-space by given amounts [µm]: the inverse of ElasticKernel.
 ///
 /// A free grid is extended by zero padding to a periodic grid, whose first rows and columns are the original grid.
-/// If the pressure is 0 outside the original grid, displacements in this grid are those of ElasticKernel + a constant.
-/// A periodic grid needs no zero padding. A uniform displacement of a periodic surface requires no pressure.
+/// If the pressure is 0 outside the original grid, displacements inside it are those of ElasticKernel plus a constant.
+/// A periodic grid needs no zero padding. Displacing a periodic surface uniformly requires no pressure.
 class StiffnessKernel {
  public:
   StiffnessKernel(const Grid& grid, double effective_modulus, const ThreadPool& pool = ThreadPool());
@@ -102,7 +102,7 @@ class StiffnessKernel {
   std::size_t columns() const;  ///< number of columns of the extended grid
   std::size_t size() const { return rows() * columns(); }
 
-  /// Compute pressures due to displacements of the extended grid. Both arguments may be the same array.
+  /// Compute the pressures [GPa] that cause given displacements [µm]. Both arguments may be the same array.
   void pressure(Values displacements, std::span<double> pressures, Workspace& workspace,
                 const ThreadPool& pool = ThreadPool()) const;
 
@@ -112,7 +112,7 @@ class StiffnessKernel {
   void displacement(Values pressures, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 
-  /// Compute displacements [µm] from pressures. The compliance at wavenumber 0 is set to the largest compliance.
+  /// Compute displacements [µm] from pressures [GPa]. Wavenumber 0 gets the largest compliance of all wavenumbers.
   void precondition(std::span<const float> pressures, std::span<float> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool()) const;
 
@@ -121,7 +121,7 @@ class StiffnessKernel {
   std::unique_ptr<const Transforms> transforms_;
 };
 
-/// Return the standard deviation [µm/GPa] of the displacements due to uniform pressure; 0 on a periodic grid.
+/// Return the standard deviation [µm/GPa] of displacements over the grid under uniform pressure; 0 if periodic.
 double uniform_pressure_deviation(const Grid& grid, double effective_modulus);
 
 }  // namespace stiction

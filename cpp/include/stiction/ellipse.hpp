@@ -16,7 +16,7 @@ struct Ellipse {
 /// Sources: Hertz 1882; Johnson, Contact Mechanics (1985), section 4.2.
 /// Let k = b/a and e² = 1 - k², and let K and E be the complete elliptic integrals of modulus e.
 /// Hertz theory gives shorter/longer = k² (K - E) / (E - k² K), a² = 2 d longer (K - E) / (e² K), F = 2/3 π a d E*/K.
-/// The relative error of the ellipse is about 1e-15 if shorter/longer is a normal floating-point number.
+/// The relative error of `major`, `minor` and `force_radius` is about 1e-15, unless shorter/longer underflows.
 Ellipse hertz_ellipse(double longer, double shorter);
 
 }  // namespace stiction

@@ -13,7 +13,7 @@
 
 namespace stiction {
 
-/// Attraction (w/ρ) exp(-gap/ρ) between opposite points of two surfaces, and upper limit of the contact pressure.
+/// Attraction (w/ρ) exp(-gap/ρ) [GPa] between facing points of two surfaces, and upper limit of the contact pressure.
 struct AdhesiveInterface {
   double max_attraction = 0.0;                                ///< w/ρ [GPa], attraction of points in contact
   double range = 1.0;                                         ///< range ρ of the attraction [µm] > 0
@@ -40,7 +40,7 @@ struct MinimizationState {
   std::int64_t recomputation_number = 0;  ///< number of the step before which the net pressure was recomputed
 };
 
-/// Outcome of a step of the minimisation. A step changes the state only if the minimisation continues.
+/// Outcome of a step of the minimisation. A step changes the state only if its outcome is `unfinished`.
 enum class MinimizationOutcome {
   unfinished,
   balanced,   ///< the state is an equilibrium
@@ -53,9 +53,9 @@ struct AdhesiveStresses {
   std::vector<double> attraction;
 };
 
-/// Minimiser of the sum of elastic energy, energy of the attraction and work of the load.
+/// Minimiser of the sum of three energies of a contact: elastic energy, energy of the attraction, and work of the load.
 ///
-/// The energy depends on the gap and, on free grids, also on the approach and on the displacements around the grid.
+/// The unknowns are the gaps and, on free grids, also the approach and the displacements of points around the grid.
 /// On free grids, the net pressure must vanish at all points around the grid.
 /// Points in contact keep a gap of 0 as long as their pressure is between 0 and the hardness.
 /// Each step ends at the first minimum of the energy along the direction of the step.
@@ -63,7 +63,7 @@ struct AdhesiveStresses {
 class EnergyMinimizer {
  public:
   /// `gap` [µm], the gap between the undeformed surfaces, must outlive the minimiser.
-  /// Throws std::invalid_argument if range or hardness of the interface is not positive, or an array has a wrong size.
+  /// Throws std::invalid_argument if attraction range or hardness is not positive, or an array has the wrong size.
   EnergyMinimizer(Values gap, const Grid& grid, double effective_modulus, const AdhesiveInterface& interface,
                   const ThreadPool& pool = ThreadPool());
 
@@ -98,7 +98,7 @@ class EnergyMinimizer {
   AdhesiveInterface interface_;
   StiffnessKernel kernel_;
   double uniform_stiffness_ = 0.0;  // sum of pressures due to a uniform displacement of a free grid; 0 if periodic
-  // Arrays on the extended grid. The next step reuses the memory of these arrays.
+  // Arrays on the extended grid of the kernel. Every step of the minimisation reuses their memory.
   Workspace workspace_;
   std::vector<double> displacement_;
   std::vector<float> residual_;

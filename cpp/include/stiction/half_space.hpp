@@ -16,11 +16,11 @@
 
 namespace stiction {
 
-/// Arrays of a calculation on a grid. Later calculations reuse the memory of these arrays.
+/// Arrays of the solver for one calculation on a grid. Later calculations reuse the memory of these arrays.
 struct SolverMemory;
 
 /// Grid hierarchy and elastic kernels, shared by all contact problems on the same grid.
-/// Each coarser grid has about half as many points along an axis, down to about 16 points.
+/// Each coarser grid has about half as many points along each axis that has at least 32 points.
 /// Several threads may use the same HalfSpaceGrids at the same time.
 class HalfSpaceGrids {
  public:
@@ -69,7 +69,7 @@ struct HalfSpaceSolution {
   double approach = 0.0;
   double error = 0.0;
   std::int64_t iterations = 0;  ///< number of iterations on the finest grid
-  /// Potential [µm] (gap plus displacement) at the points whose pressure bound is above 0.
+  /// Potential [µm] (initial gap plus displacement) at the points whose pressure bound is above 0.
   /// `potential` is empty if all points share one bound, the solver did not converge, or displacements are missing.
   std::vector<double> potential;
 };
@@ -78,10 +78,10 @@ struct HalfSpaceSolution {
 /// An exception thrown by the callback ends the calculation.
 using HalfSpaceProgress = std::function<void(std::int64_t, double)>;
 
-/// The solver minimises the energy at a given total load. Each pressure p must satisfy 0 <= p <= bound.
+/// Solver for contact pressures p that minimise the energy at a given total load, subject to 0 <= p <= bound.
 ///
 /// The method is projected conjugate gradients (Polonsky & Keer, Wear 231 (1999) 206; see ProjectedCgSolver).
-/// The relative error is the largest gap under pressure or, if larger, the largest overlap, divided by `scale`.
+/// The relative error is the larger of the largest gap under pressure and the largest overlap, divided by `scale`.
 class HalfSpaceSolver {
  public:
   /// `gap` [µm] must outlive the solver.
@@ -103,7 +103,7 @@ class HalfSpaceSolver {
   HalfSpaceSolution at(double mean_pressure, Values near = {}, const ThreadPool& pool = ThreadPool(),
                        const HalfSpaceProgress& progress = {}) const;
 
-  /// Solve the contact problem for a given approach [µm] by iterating over about six loads.
+  /// Solve the contact problem for a given approach [µm], with trial solutions at about six loads.
   HalfSpaceSolution at_approach(double approach, Values near = {}, const ThreadPool& pool = ThreadPool(),
                                 const HalfSpaceProgress& progress = {}) const;
 
@@ -125,13 +125,13 @@ class HalfSpaceSolver {
   double displacement_scale_ = 0.0;
 };
 
-/// Linear response of a fixed contact area to a normal load that displaces all contact points equally.
+/// Displacement of a fixed contact area per unit of normal load, if the load displaces all contact points equally.
 struct LinearResponse {
   double compliance = 0.0;       ///< dδ/dp [µm/GPa], where p is the sum of the pressures; 0 at full contact
   std::vector<double> pressure;  ///< pressures on the grid; the sum of all pressures is 1
 };
 
-/// The compliance is proportional to an energy, so its error is of second order in the errors of the pressures.
+/// The compliance is proportional to a minimal energy, so errors of the pressures change it only in second order.
 /// The relative error of the compliance is about 1e-7.
 LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool> in_contact,
                                const ThreadPool& pool = ThreadPool());

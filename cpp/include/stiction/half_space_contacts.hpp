@@ -26,9 +26,10 @@ enum class StepQuantity {
 /// Progress callback with the index of the step, the iteration number and the relative error.
 using StepProgress = std::function<void(std::size_t, std::int64_t, double)>;
 
-/// Solve the contact at each step. Each step starts from the pressures of the previous step.
-/// The first step starts from the pressures `near`, which may be empty. The hardness [GPa] may be infinite.
-/// The calculation ends after a contact whose relative error exceeds the tolerance of the solver.
+/// Solve the contact at each load or approach in `steps`. Each solution starts from the pressures at the previous step.
+/// The solution at the first step starts from the pressures `near`, unless `near` is empty.
+/// The hardness [GPa] may be infinite.
+/// The calculation ends at the first step whose relative error exceeds the tolerance of the solver.
 std::vector<HalfSpaceContact> solve_contacts(const HalfSpaceSolver& solver, StepQuantity quantity, Values steps,
                                              Values near, double hardness, const ThreadPool& pool = ThreadPool(),
                                              const StepProgress& progress = {});

@@ -2,7 +2,7 @@
 //
 //     y(x) = Σ_n w_n G_n(x),   G_n(x) = Σ_m { cos φ_mn - cos[ (2π γ^(n-1) x / L) cos(π m / M) + φ_mn ] }
 //
-// Only the weights w_n depend on the fractal dimension D, so one evaluation of the profiles G_n serves many D.
+// Only the weights w_n depend on the fractal dimension D, so the profiles G_n are computed once for all values of D.
 #pragma once
 
 #include "stiction/amplitude.hpp"
@@ -26,7 +26,7 @@ struct HarmonicGrid {
 /// Hanaor, Gan & Einav define the fractal dimension D by H = 4 - 2D. The usual definition is H = 2 - D.
 std::vector<double> frequency_weights(double hurst_exponent, Index frequencies, double gamma, double length_scale);
 
-/// Write the sum Σ_n weights(d, n) G_n(x_j) [µm] to row d and column j of `profiles`.
+/// Write the sum Σ_n weights(d, n) G_n(x_j) [µm] to the element of `profiles` in row d and column j.
 /// `phases` [rad] has the shape (directions M, frequencies N). `weights` [µm] has the shape (any number of rows, N).
 /// The only error in the phase of a harmonic is the round-off of (wavenumber · position) in long double.
 /// Throws std::invalid_argument if shapes differ, values are out of range, or a phase has too many turns to resolve.
@@ -41,7 +41,7 @@ inline Matrix harmonic_profiles(MatrixView phases, MatrixView weights, const Har
   return profiles;
 }
 
-/// Grid of a surface, whose point (i, j) lies at x = j Δx, y = i Δy, and the harmonics whose sum is the surface.
+/// Grid of a surface, and harmonics whose sum is the surface. Grid point (i, j) is at x = j Δx, y = i Δy.
 struct HarmonicArea {
   double spacing_y;           ///< Δy [µm] > 0
   double spacing_x;           ///< Δx [µm] > 0

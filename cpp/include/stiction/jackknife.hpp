@@ -13,7 +13,7 @@
 
 namespace stiction {
 
-/// View of several curves: values of all repetitions at successive steps. The values at a step are adjacent in memory.
+/// View of several curves: the values of all repetitions at each load step. Values at one step are adjacent in memory.
 struct CurveView {
   const double* values;
   Index curve_stride;  ///< number of values from one curve to the next; 0 if all curves share their values
@@ -32,11 +32,12 @@ struct CurvePoints {
 
 inline constexpr Index jackknife_sum_rows = 10;
 
-/// Write power sums and minima over the repetitions to `sums`, which has the shape (`jackknife_sum_rows`, points).
-/// Rows 0 to 3 contain the sums of c, c², c³ and c⁴. Leaving out a repetition changes ln(mean value at load F) by c.
-/// Rows 4 to 7 contain the sums of d, d², d³ and d⁴. Leaving out a repetition changes the mean value at load F by d.
+/// Write sums of powers and minima over the repetitions to `sums`, which has the shape (`jackknife_sum_rows`, points).
+/// Rows 0 to 3: sums of c, c², c³ and c⁴, where c is the change of ln(mean value) if one repetition is left out.
+/// Rows 4 to 7: sums of d, d², d³ and d⁴, where d is the change of the mean value if one repetition is left out.
+/// The changes c and d are changes of the mean value at a constant mean load F.
 /// Rows 8 and 9 contain the smallest relative change of the mean value (dv / mean(v)) and of the mean load (dn / F).
-/// Values and loads are interpolated between steps. The mean is taken over `total_repetitions` (R) repetitions.
+/// Values and loads are interpolated between load steps. Means are taken over `total_repetitions` (R) repetitions.
 void jackknife_sums(const CurvePoints& points, const CurveView& loads, const CurveView& values, Index repetitions,
                     Index total_repetitions, Eigen::Ref<Matrix> sums);
 

@@ -22,7 +22,7 @@ struct ForceArea {
   double area;   ///< contact area [µm²]
 };
 
-/// The parameter must be finite and between `low` and `high`. It may equal `low` or `high` only if `inclusive` is true.
+/// Parameter of a law, which must be finite and between `low` and `high`; equal to either only if `inclusive` is true.
 template <class L>
 struct Parameter {
   std::string_view name;
@@ -47,9 +47,9 @@ struct HertzSphere {
 };
 
 /// Two elastic parallel cylinders of width w: F = π/4 E* overlap w, A = 2 w (R overlap)^(1/2).
-/// The overlap of the undeformed circles is set equal to a²/R, where 2a is the contact width.
-/// For a given half-width a << R, the force is exact: Johnson, Contact Mechanics (1985), section 4.2(c).
-/// The overlap is not the approach of distant points, which grows indefinitely with their distance from a line contact.
+/// The overlap of the undeformed cylinders is set to a²/R, where a is the half-width of the contact.
+/// For a given half-width a << R, the force F is exact: Johnson, Contact Mechanics (1985), section 4.2(c).
+/// The overlap is not the approach of distant points, which for a line contact grows without limit with their distance.
 struct HertzCylinder {
   double effective_modulus;  ///< E* [GPa] > 0
   double width;              ///< width w [µm] > 0 along the cylinders
@@ -64,8 +64,8 @@ struct HertzCylinder {
 };
 
 /// An elastic-perfectly plastic sphere: Jackson & Green, J. Tribol. 127 (2005) 343.
-/// Hertz theory applies up to 1.9 times the critical interference, and a fit to finite-element results above.
-/// The fit is valid for contact radii up to 0.41 R. Between Hertz theory and the fit, the load jumps by less than 1 %.
+/// Hertz theory applies up to 1.9 times the critical interference, and a fit to finite-element results at larger ones.
+/// The fit is valid up to a contact radius of 0.41 R. From Hertz theory to the fit, the load jumps by less than 1 %.
 struct JacksonGreen {
   double effective_modulus;  ///< E* [GPa] > 0
   double yield_strength;     ///< yield strength S_y [GPa] of the softer body, above 0 and below E*/10
@@ -93,7 +93,7 @@ Law law(std::string_view name, const std::map<std::string, double>& parameters);
 /// Throws std::invalid_argument with the name of a parameter that is out of range.
 void check(const Law& law);
 
-// The call operator of HertzSphere is inline, because out-of-line calls for all contacts cost 6 % of the total time.
+// The call operator of HertzSphere is inline, because function calls for all contacts cost 6 % of the total time.
 inline ForceArea HertzSphere::operator()(double overlap, const Radii& radii) const {
   const double radius = radii.mean();
   return {4.0 / 3.0 * effective_modulus * std::sqrt(radius * overlap) * overlap, std::numbers::pi * radius * overlap};

@@ -12,12 +12,12 @@
 
 namespace stiction {
 
-/// Function that takes several increasing arguments in one call, and returns one value for each argument.
+/// Function that accepts several arguments in increasing order, and returns its value at each argument.
 using BatchFunction = std::function<std::vector<double>(Values)>;
 
-/// Find, for each level, the argument at which a function first reaches this level from below.
-/// The function must be below the level at the argument `left`, and at or above the level at `right`.
-/// If the function jumps over the level, the result is the argument just after the jump.
+/// Find, for each of the given levels, the argument at which a function first reaches the level from below.
+/// The function must be below the level at the argument `left`, and at or above the level at the argument `right`.
+/// If the function jumps from below the level to above the level, the result is the argument just after the jump.
 /// Method: inverse quadratic interpolation and bisection (Chandrupatla, Adv. Eng. Software 28 (1997) 145).
 std::vector<double> find_crossings(const BatchFunction& function, Values levels, Values left, Values right,
                                    double tolerance);

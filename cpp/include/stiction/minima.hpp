@@ -28,16 +28,17 @@ struct CellRange {
 };
 
 /// Find all minima of the spline with `coefficients` (see natural_bicubic) in a range of cells, row by row.
-/// Minima above `max_value` [µm], on the edge of the map, or with a curvature that is only round-off are left out.
+/// Omits minima above `max_value` [µm] or on the edge of the map, and minima whose curvature is only round-off.
 /// A minimum within 1e-6 of the boundary between two cells belongs to the right or to the upper cell.
 /// A minimum found at the edge of the range of cells may belong to a neighbouring cell outside the range.
 ///
-/// A cell is divided, down to 1/64 of its side, until Bernstein coefficients prove a part convex or without a minimum.
-/// Newton's method finds the minimum, if there is one, of each part that is convex or still undecided.
+/// A cell is divided into parts until Bernstein coefficients show that each part is convex or contains no minimum.
+/// The side of the smallest part is 1/64 of the cell's side.
+/// Newton's method finds the minimum of each part that is convex or still undecided, if the part contains a minimum.
 std::vector<Minimum> minima(const MatrixView& coefficients, const CellRange& range, double max_value,
                             const CancellationCheck& check_cancellation = {});
 
-/// Evaluate another spline, on the grid of the same map, at the position of a minimum.
+/// Evaluate the spline with `coefficients` on the same grid at the position of a minimum of another spline.
 Jet at_minimum(const MatrixView& coefficients, const Minimum& minimum);
 
 bool is_same(const Minimum& first, const Minimum& second);

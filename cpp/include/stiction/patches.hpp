@@ -11,7 +11,7 @@
 
 namespace stiction {
 
-/// Grid points under pressure and their contact patches. The points are in increasing order of their indices.
+/// Grid points under pressure, in increasing order of their indices, and the contact patches that they form.
 struct Patches {
   std::vector<std::int64_t> points;      ///< indices of the points on the grid
   std::vector<double> pressure;          ///< pressure at each point [GPa]
@@ -21,12 +21,12 @@ struct Patches {
   std::int32_t count = 0;  ///< number of patches
 };
 
-/// Connect points under pressure to their neighbours: eight on maps, two on profiles.
-/// On a periodic grid, points are also connected across the edges.
-/// A side of a cell under pressure is open if the adjacent cell at this side is on the grid and carries no pressure.
-/// Each open side reduces the fraction of the cell in contact: by 0.19 on profiles, by (π - 1 + ln 2)/24 on maps.
+/// Connect each grid point under pressure to its neighbours under pressure: up to 8 on maps, up to 2 on profiles.
+/// On a periodic grid, points at opposite edges of the grid are neighbours, too.
+/// A side of a grid cell under pressure is open if the adjacent cell is on the grid and carries no pressure.
+/// Each open side reduces the contact fraction of the cell: by 0.19 on profiles, by (π - 1 + ln 2)/24 on maps.
 /// Source: Yastrebov, Anciaux & Molinari, Tribology International 114 (2017) 161.
-/// The fraction of a cell in contact is at least pressure/hardness, both in GPa. The hardness may be infinite.
+/// The contact fraction of a cell is at least pressure/hardness, both in GPa. The hardness may be infinite.
 Patches patches_of(Values pressure, const Grid& grid, double hardness);
 
 /// View of a contact, with the arrays of its `Patches`. ContactView does not own the arrays.
@@ -37,7 +37,7 @@ struct ContactView {
   std::span<const std::int32_t> patch;
 };
 
-/// Sums over each patch of several contacts. Patches are stored contact by contact, in one array.
+/// Sums over the points of each contact patch. The patches of all contacts follow one another in one array.
 /// Sums that depend on the direction of motion are matrices of shape (directions, patches).
 struct PatchSums {
   std::vector<double> force;              ///< Σ F n_z [mN]

@@ -1,4 +1,4 @@
-// Preconditioner of the areal half-space solver: approximate inverse of the elastic kernel on the free points.
+// Preconditioner of the half-space solver for areas: approximate inverse of the elastic kernel on the free points.
 #pragma once
 
 #include "stiction/elastic_kernel.hpp"
@@ -16,11 +16,11 @@ namespace stiction {
 
 /// Approximate inverse of the elastic kernel K: pressures that approximately cause given displacements.
 ///
-/// A 3 x 3 stencil S on the free points describes the short-range interaction of neighbouring points.
+/// A 3 x 3 stencil S describes the short-range elastic interaction of neighbouring free points.
 /// A kernel K' on blocks of points describes the slowly varying displacement that distant points cause.
 /// Bilinear weights P interpolate between the blocks and the points.
 /// K is approximately S⁻¹ + P'K'P, where P' is the transpose of P, with the inverse S - SP'(K'⁻¹ + PSP')⁻¹PS.
-/// The blocks repeat periodically, so K'⁻¹ multiplies a displacement with the wavenumber k by E* |k| / 2.
+/// The grid of blocks is periodic, so K'⁻¹ multiplies a displacement with the wavenumber k by E* |k| / 2.
 /// K'⁻¹ + PSP' describes a half-space on an elastic foundation with the stiffness PSu, where u is 1 at each free point.
 /// With the preconditioner, the number of solver iterations is almost independent of the grid size.
 class Preconditioner {
@@ -49,9 +49,9 @@ class Preconditioner {
   Arrays take_arrays() { return {std::move(result_), std::move(remainder_)}; }
 
  private:
-  /// The stencil continues the values periodically beyond the edges of the grid.
+  /// Apply the stencil to `values`, which repeat periodically beyond the edges of the grid.
   void apply_stencil(std::span<const std::int32_t> free_points, std::span<const float> values, const ThreadPool& pool);
-  /// Multiply the result of the stencil by the bilinear weights, and sum the products over each block.
+  /// Multiply the stencil's results by the bilinear weights of the free points, and add up the products in each block.
   void sum_on_blocks(std::span<const std::int32_t> free_points, std::vector<float>& sums, const ThreadPool& pool);
   void update_foundation(std::span<const std::int32_t> free_points, const ThreadPool& pool);
   void solve_blocks(Workspace& workspace, const ThreadPool& pool);

@@ -1,4 +1,4 @@
-// Contact of many pairs of profiles in one call. For example, the pairs may differ only in their fractal dimension.
+// Contact of many pairs of profiles in one call, for example of pairs that differ only in their fractal dimension.
 // Row i of a matrix of upper profiles and row i of a matrix of lower profiles form a pair.
 #pragma once
 
@@ -23,7 +23,7 @@ struct Amplitudes {
   AmplitudeMeasure measure;
 };
 
-/// Compute contact sums for each pair, amplitude, model and approach, in this order. The heights are overwritten.
+/// Compute contact sums, ordered by pair, then by amplitude, then by model, then by approach.
 /// Profiles scaled to the last amplitude overwrite the heights. Other scaled profiles are written to `scratch`.
 /// Throws the same exceptions as `press`. Also throws std::invalid_argument if shapes differ or a profile is flat.
 std::vector<Sums> press_profile_batches(ProfileBatch upper, ProfileBatch lower, double spacing,

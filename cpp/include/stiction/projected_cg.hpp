@@ -13,8 +13,8 @@
 
 namespace stiction {
 
-/// Solver for the minimum of 1/2 p·Kp + p·g0 over the pressures p, by projected conjugate gradients.
-/// The pressures satisfy 0 <= p <= bound at each point, and their sum is `total`.
+/// Solver for the pressures p that minimise 1/2 p·Kp + p·g0 for the initial gap g0, by projected conjugate gradients.
+/// Each pressure p satisfies 0 <= p <= bound, and the sum of all pressures is `total`.
 ///
 /// The kernel K maps pressures [GPa] to displacements [µm].
 /// The caller computes products of vectors with K, and with a preconditioner M that approximates the inverse of K.
@@ -25,10 +25,10 @@ namespace stiction {
 ///
 /// update_free_points()  ->  residual()  ->  step(M residual, K previous step)  ->  advance(K step)
 ///
-/// M acts on the whole grid, so the residual r is extended to points that are not free, in a way that makes r·Mr small.
+/// M acts on the whole grid. At points that are not free, the residual r is therefore chosen such that r·Mr is small.
 /// On areas, r is set to 0 at points that are not free, which gives nearly the smallest r·Mr.
-/// On lines with short contacts, r is interpolated linearly instead, also across the edges, because M is periodic.
-/// M r is then multiplied by the transpose of the interpolation.
+/// On lines, r is interpolated linearly between free points, also across the edges of the grid, because M is periodic.
+/// If r is interpolated, M r is then multiplied by the transpose of the interpolation matrix.
 ///
 /// After each step, all pressures are within their bounds, and the sum of the pressures is `total`.
 /// The energy never increases. Source of the method: Polonsky & Keer, Wear 231 (1999) 206.
@@ -48,7 +48,7 @@ class ProjectedCgSolver {
   ProjectedCgSolver(std::vector<double> pressure, double total, Values bound, bool line, Arrays arrays = {});
 
   /// Determine the approach and the free points. Returns the largest |potential - approach| [µm] over the free points.
-  /// Gaps of points under pressure, and overlaps of points below their bounds, are at most the returned length.
+  /// The returned length limits the gaps under pressure, and the overlaps at points below their pressure bounds.
   /// Returns infinity if potentials are not finite. Throws std::logic_error before the first `restart`.
   double update_free_points(const ThreadPool& pool = ThreadPool());
 
@@ -56,10 +56,10 @@ class ProjectedCgSolver {
   /// At points that are not free, the residual is 0 on areas, and linearly interpolated on lines.
   std::span<const float> residual(const ThreadPool& pool = ThreadPool());
 
-  /// Hold the free points at a bound that the direction M r would push beyond this bound, on areas only.
-  /// Held points are not free until the next `update_free_points`. The residual of the other points changes in place.
-  /// Returns whether points were held; M r must then be computed again. Without held points, directions that are
-  /// clipped at many bounds are seldom conjugate, and may not lower the energy.
+  /// On areas, hold free points at their bounds if the direction M r would push their pressures beyond the bounds.
+  /// Held points are not free until the next `update_free_points`. The residual of all other points changes in place.
+  /// Returns whether any points were held. If so, the caller must compute M r again.
+  /// Without held points, steps clipped at many bounds would seldom be conjugate, and might not lower the energy.
   bool hold_points_at_bounds(std::span<const float> preconditioned, const ThreadPool& pool = ThreadPool());
 
   std::span<const std::int32_t> free_points() const { return free_points_; }
@@ -76,14 +76,14 @@ class ProjectedCgSolver {
   /// `response` must stay valid until the next `update_free_points`. Returns whether any pressure changed.
   bool advance(std::span<const float> response, const ThreadPool& pool = ThreadPool());
 
-  /// Scale all pressures that are below their bounds to the total load. The caller must then recompute the potential.
+  /// Scale all pressures below their bounds so that the total load is `total`. The caller must recompute the potential.
   void rescale_to_total();
 
   /// Restart with a steepest-descent step from a potential that the caller has recomputed.
   void restart(std::vector<double> potential);
 
   /// Return Σ pressure · potential [GPa µm] over all points of the grid. Call `update_free_points` beforehand.
-  /// If the initial gap is zero, the sum is twice the elastic energy divided by the area of a cell.
+  /// If the initial gap is zero everywhere, the sum is twice the elastic energy divided by the area of a cell.
   double pressure_dot_potential() const;
 
   double approach() const { return approach_; }
@@ -120,7 +120,7 @@ class ProjectedCgSolver {
   double total_;
   std::array<double, block> uniform_bound_{};  // copies of the bound, if all points have the same bound
   Values bounds_;                              // bound of each point; empty if all points have the same bound
-  // 1 for each block of points with a pressure bound above 0, else 0. Potentials are updated only in blocks marked 1.
+  // For each block of points: 1 if any pressure bound is above 0, else 0. Potentials are updated only in blocks with 1.
   // `can_touch_` is empty if all points have the same bound.
   std::vector<std::uint8_t> can_touch_;
   bool line_;
@@ -131,7 +131,7 @@ class ProjectedCgSolver {
   std::vector<double> preconditioned_;  // preconditioned residual at free points
   std::vector<double> target_;          // pressure at free points after a full step
   std::vector<double> free_bounds_;     // bound at free points
-  // Product of K and the last step. The potential does not yet include `pending_fraction_` times this product.
+  // K times the last step. The potential does not yet include `pending_fraction_` times this product.
   std::span<const float> pending_response_;
   double pending_fraction_ = 0.0;
   std::vector<std::vector<std::int32_t>> task_free_points_;
@@ -139,7 +139,7 @@ class ProjectedCgSolver {
   double mean_potential_ = 0.0;
   double step_length_ = 1.0;
   double descent_length_ = 1.0;
-  // Value of `descent_length_` before the last step, which may be restored if a preconditioned step fails.
+  // `descent_length_` before the last step. It may be restored if a preconditioned step fails.
   double previous_descent_length_ = 1.0;
   int failed_steps_ = 0;  // number of failed preconditioned steps since the last successful step
   int descent_steps_left_ = 0;

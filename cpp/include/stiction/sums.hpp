@@ -18,13 +18,13 @@
 
 namespace stiction {
 
-/// `opposing` selects only contacts whose slope opposes the motion (as in the paper). `all` selects every contact.
+/// Contacts at which friction acts: all contacts, or only contacts whose slope opposes the motion, as in the paper.
 enum class Sliding { opposing, all };
 
 /// Return the sliding rule named "opposing" or "all". Throws std::invalid_argument for any other name.
 Sliding sliding(std::string_view name);
 
-/// Both loads (normal and tangential) are computed as elastic + mu0 · frictional + tau0 · adhesive.
+/// The normal load and the tangential load are each computed as elastic + mu0 · frictional + tau0 · adhesive.
 struct Sums {
   Index contact_count = 0;
   double contact_area = 0.0;           ///< Σ A                 [µm²]
@@ -45,7 +45,7 @@ struct Sums {
   void add(const ContactPoint& contact_point, const Radii& radii, const ForceArea& force_area, const Vector2& direction,
            Sliding sliding, double spacing);
 
-  /// Add those contributions of a contact that are equal for all directions. Returns the normal load F n_z [mN].
+  /// Add the contributions of a contact that do not depend on the direction. Returns the normal load F n_z [mN].
   double add(const Vector3& normal, double overlap, double radius, const ForceArea& force_area, double spacing);
 };
 
@@ -91,10 +91,10 @@ SlidingFactors sliding_factors(const Vector3& normal, const Vector2& direction);
 double normal_load(const Sums& sums, double mu0, double tau0 = 0.0);
 double tangential_load(const Sums& sums, double mu0, double tau0 = 0.0);
 
-/// `self_locked` means that friction alone holds the surfaces together (F_N <= 0).
+/// `self_locked` means that friction alone holds the surfaces together: the normal load F_N is not positive.
 enum class Status { ok, no_contact, self_locked };
 
-/// Return `ok` if a coefficient of friction exists for mu0 [-] and tau0 [GPa], or else the reason why not.
+/// Return `ok` if a friction coefficient exists for mu0 [-] and tau0 [GPa]. Otherwise, return why none exists.
 Status status(const Sums& sums, double mu0, double tau0 = 0.0);
 
 /// Return the coefficient of friction F_T / F_N, or NaN unless the status is `ok`.
@@ -107,14 +107,14 @@ inline Vector3 tangent(const Vector3& normal, const Vector2& direction) {
     // If the contact normal lies in the plane of s and z, as on profiles, the tangent already has unit length.
     return {-normal.z() * direction.x(), -normal.z() * direction.y(), along};
   }
-  // At a steep wall, the vector form (s·n) n - s would be the difference of two nearly equal vectors.
+  // At a steep wall, (s·n) n - s would lose digits as the difference of two nearly equal vectors.
   const double length = std::sqrt(normal.z() * normal.z() + across * across);
   const double lateral = along * (across / length);
   return {-length * direction.x() - lateral * direction.y(), -length * direction.y() + lateral * direction.x(),
           along * (normal.z() / length)};
 }
 
-/// Largest ratio of overlap to radius for which Hertz theory counts as valid. Hertz theory assumes a << R.
+/// Largest ratio of overlap to radius up to which Hertz theory counts as valid. Hertz theory assumes a << R.
 inline constexpr double hertz_limit = 0.1;
 
 inline SlidingFactors sliding_factors(const Vector3& normal, const Vector2& direction) {

@@ -51,7 +51,7 @@ int main() {
                 stiction::friction_coefficient(sums[k], mu0));
   }
 
-  // The arcs touch at their apexes, so the overlap equals the approach, and F = 4/3 E* R^(1/2) overlap^(3/2).
+  // The two arcs touch at their apexes, so the overlap equals the approach, and F = 4/3 E* R^(1/2) overlap^(3/2).
   const std::vector<double> upper = arc(3.0, -1.0);
   const std::vector<double> lower = arc(6.0, +1.0);
   const double overlap = 0.002;
