@@ -261,7 +261,7 @@ def _count_significant_decimals(value: Floats, digits: int) -> Floats:
         # Each number is scaled to an integer with `digits` digits: with four digits, 0.01234 becomes 1234.
         digit_values = np.round(np.abs(value) / 10.0 ** (exponents - digits + 1))
         quotients = [digit_values / 10**count for count in range(1, digits + 1)]
-        # Trailing zeros are found from quotients, because remainders would take ten times as long.
+        # Trailing zeros are found from the quotients by 10, 100, ..., because remainders would take ten times as long.
         trailing_zeros = sum((quotient - np.floor(quotient) == 0).astype(float) for quotient in quotients)
     return np.asarray(np.where(value == 0, 0.0, digits - 1 - exponents - trailing_zeros))
 

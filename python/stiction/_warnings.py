@@ -14,7 +14,7 @@ def warn_caller(message: str, category: type[Warning] = UserWarning) -> None:
     """Issue a warning that refers to the line outside the package from which the package was called."""
     stack_level = outermost_level = 1
     frame = sys._getframe().f_back
-    # The whole stack is searched for the outermost frame of this package: frames of other code may lie in between.
+    # The whole stack is searched, because frames of other packages may lie between two frames of this package.
     while frame is not None:
         stack_level += 1
         if frame.f_code.co_filename.startswith(_PACKAGE_PREFIX):

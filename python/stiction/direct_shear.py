@@ -242,7 +242,7 @@ def shear_test(
         return _compute_shear_tests(setup, SolutionRecord(), progress).assign_attrs(attributes)
     test_directory, description = parse_path("directory", directory), _describe_inputs(setup)
     key = hashlib.sha256(description.encode()).hexdigest()[:16]
-    # The key of stored steps contains `variations`: the input limits of repeated tests depend on the input samples.
+    # The key of stored steps depends on `variations`, because repeated tests take their input limits from the samples.
     steps_key = compute_steps_key(description + repr(setup.variations), _STEP_MODULES)
     if (test := _open_stored_test(test_directory, key, replace=replace)) is not None:
         return test
@@ -511,7 +511,7 @@ def _open_stored_test(directory: Path, key: str, *, replace: bool) -> xr.Dataset
     Returns None if there is no test that can be reused.
     """
     test = load_shear_test(directory)
-    # A test without a stored gap comes from an earlier version, and is computed again if it may be replaced.
+    # A shear test without a stored gap comes from an earlier version of stiction: `replace` lets it be computed again.
     if test is None or (replace and "gap" not in test):
         return None
     if test.attrs.get("key") == key:

@@ -40,7 +40,7 @@ READER_MEMORY_FRACTION = 0.25
 SCOPE_TEXT_SUFFIX = ", here and in the pictures"
 # A command prints its JSON record before it draws figures. These characters end the JSON record.
 END_OF_JSON_RECORD = b"\n}\n"
-# For each command, the files that the user can save: the name in the app, and the name that the command gives the file.
+# Files that the user can save after each command: the name in the app, mapped to the name that the command writes.
 FILES_BY_COMMAND = {
     "pair": {"page.html": "report.html", "result.csv": "result.csv", "study.toml": "study.toml"},
     "shear": {"page.html": "report.html", "result.csv": "shear.csv"},
@@ -301,7 +301,7 @@ class JobQueue:
                    "command": "" if scope else job.arguments[0],
                    "files": str(files), "root": str(self.root)}  # fmt: skip
         arguments = ["stiction.app.result_worker", json.dumps(request | source)]
-        # A preview gets less memory, because the command of the job runs at the same time.
+        # The reader of a preview gets less memory, because the command of the job runs at the same time.
         memory = READER_MEMORY_FRACTION if source else JOB_MEMORY_FRACTION
         response = json.loads(await run_module(arguments, memory=memory))
         if response is None or (source and job.versions):

@@ -124,7 +124,7 @@ def render_height_map_png(heights: Floats, extent: tuple[float, float]) -> bytes
 
 def main() -> None:
     """Print the preview of a scan, or the comparison of two scans, as JSON."""
-    # `read_measurement` requires tuples, which JSON can store only as lists.
+    # Some options of `read_measurement` must be tuples, but JSON stores tuples as lists.
     files, options = sys.argv[1::2], [
         {name: tuple(value) if isinstance(value, list) else value for name, value in json.loads(text).items()}
         for text in sys.argv[2::2]

@@ -40,7 +40,7 @@ class TimeLimitedConnection(H11Protocol):
         super().connection_made(transport)
         self.idle_timers[self] = self.loop.call_later(REQUEST_HEADER_TIMEOUT, self._abort)
         if len(self.idle_timers) > MAX_IDLE_CONNECTIONS:
-            # The nested `call_soon` lets the event loop read waiting requests before it closes the oldest connection.
+            # Two nested `call_soon` calls let the loop read waiting requests before it closes the oldest connection.
             self.loop.call_soon(self.loop.call_soon, self._close_oldest)
 
     def data_received(self, data: bytes) -> None:

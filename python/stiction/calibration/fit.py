@@ -42,10 +42,10 @@ from stiction.study.interfaces import (
 )
 from stiction.study.shared_inputs import INPUTS_COMPARED_ELSEWHERE
 
-# A nuisance point is a joint random sample of all nuisance parameters: the uncertain ones other than mu0 and tau0.
+# A nuisance point is a random sample of all uncertain parameters of the fit, except mu0 and tau0.
 NUM_NUISANCE_POINTS_PER_ROUND = 256
 MAX_NUISANCE_POINTS = 8192
-# The final number of nuisance points is the first number, doubled for each nuisance parameter, up to the second.
+# The first number, doubled for each nuisance parameter, is the final number of nuisance points; the second limits it.
 FINAL_NUISANCE_POINT_COUNTS = 256, 1024
 MAX_NORMAL_SCORE = 5.0  # standard deviations
 MAX_PROPOSAL_ROUNDS = 8
@@ -53,11 +53,12 @@ MIN_EFFECTIVE_SAMPLE_FRACTION = 0.4
 MIN_EFFECTIVE_SAMPLES = 300.0
 NUM_TAU0_CELLS, NUM_MU0_CELLS = 41, 31
 NUM_STRENGTH_PAIRS = 4000
-# Grids of mu0 and tau0 end where -2 ln(probability density) exceeds its minimum by this number (5.8² = 34).
-# With outliers, or if a test did not slide, grids of mu0 and tau0 end at four times this number.
+# Grids of mu0 and tau0 end where -2 ln(probability density) is this much (about 5.8²) above its minimum.
+# With outliers, or if a test did not slide, the limit of -2 ln(probability density) is four times `MAX_GRID_DEVIANCE`.
 MAX_GRID_DEVIANCE = 34.0
-# Degrees of freedom of Student's t distribution, for drawing nuisance points and for test errors with outliers.
+# Degrees of freedom of the t distribution from which nuisance points are drawn.
 PROPOSAL_DEGREES_OF_FREEDOM = 5.0
+# Degrees of freedom of the t distribution that describes the errors of friction tests with outliers.
 OUTLIER_DEGREES_OF_FREEDOM = 4.0
 MEDIAN_RELATIVE_DEVIATION_BETWEEN_RUNS = 0.10
 
@@ -74,7 +75,7 @@ class _BestFit:
     tau0: float  # GPa
     scores: Floats
     residuals: Floats
-    # Derivatives of residuals (times `robust_factors`) and of nuisance parameters with respect to fitted parameters.
+    # Derivatives with respect to the fitted parameters: of residuals · `robust_factors`, and of nuisance parameters.
     jacobian: Floats
     robust_factors: Floats
     scale: float
@@ -100,7 +101,7 @@ class _ProbabilityGrid:
     """Log-probabilities of mu0 and tau0 in the cells of grids, one grid for each sample of the nuisance parameters."""
 
     limits: _GridLimits
-    # Log-probability in each grid cell without the prior density; shape (nuisance points, tau0 cells, mu0 cells).
+    # Log-probability in each grid cell, excluding the prior density; shape (nuisance points, tau0 cells, mu0 cells).
     log_probability: Floats
 
 
@@ -180,7 +181,7 @@ class CalibrationProblem:
         scores_by_name = dict(zip(self.nuisances, np.clip(scores, -MAX_NORMAL_SCORE, MAX_NORMAL_SCORE).T, strict=True))
         shape = len(scores), *(1 for _ in grid_shape)
         probability = {name: ndtr(values).reshape(shape) for name, values in scores_by_name.items()}
-        # Tests share the area factor of their equation, unless the factor depends on measured coefficients that differ.
+        # Tests with the same equation share its area factor, unless the factor depends on their measured coefficients.
         cached_factors: dict[Hashable, Floats] = {}
 
         def area_factors_of_test(test: int) -> Floats:
@@ -206,7 +207,7 @@ class CalibrationProblem:
             if GAIN_PARAMETER_NAME in scores_by_name
             else np.ones((len(scores), 1))
         )
-        # The factor `gain` multiplies the computed coefficients: the given test errors belong to the measured ones.
+        # The force-cell gain multiplies computed coefficients, because the test errors refer to the measured ones.
         mu0_coefficient = gain * sums["tangential_frictional"] - self.measured * sums["normal_frictional"]
         tau0_coefficient = gain * sums["tangential_adhesive"] - self.measured * sums["normal_adhesive"]
         right_side = self.measured - gain * sums["tangential_elastic"]
@@ -367,7 +368,7 @@ class CalibrationProblem:
                 step_residuals = residuals_with_growth(
                     x + difference_step * np.concatenate([np.zeros((1, x.size)), np.eye(x.size)])
                 )
-                # A derivative is set to 0 if the step makes the interface stronger than the softer body.
+                # If a step makes the interface stronger than the softer body, the derivative of residuals is set to 0.
                 test_rows = np.nan_to_num(
                     (step_residuals[1:] - step_residuals[0]).T / difference_step, posinf=0.0, neginf=0.0
                 )
@@ -432,7 +433,7 @@ class CalibrationProblem:
         best_fit = self.best_fit
         chi_squared = float((best_fit.residuals**2).sum() + (best_fit.scores**2).sum())
         num_slid = int(self.slid.sum())
-        # If A/F is equal in all tests, mu0 and tau0 cannot be determined separately, but only one combination of both.
+        # If A/F is equal in all tests, the tests determine only the sum mu0 + tau0 A/F, not mu0 and tau0 separately.
         best_area_per_load = self._find_median_area_per_load(
             self._compute_area_per_load_samples(
                 best_fit.scores[np.newaxis], np.array([best_fit.mu0]), np.array([best_fit.tau0])
@@ -702,7 +703,7 @@ class CalibrationProblem:
             return find_best_mu0(residuals, start, tau0)
 
         if self.fixed_strengths[1] is None:
-            # tau0 is largest at mu0 = 0, where tau0 alone causes the measured friction, so each test limits tau0.
+            # Each test limits tau0: tau0 is largest at mu0 = 0, where tau0 alone causes the measured friction.
             test_errors = np.hypot(scale[:, np.newaxis] * self.error, spread[:, np.newaxis] * self._run_errors)
             margin = (
                 2
@@ -722,7 +723,7 @@ class CalibrationProblem:
         )
         best_mu0, slope, _ = find_best_mu0_at(tau0)
         width_above = math.sqrt(limits.deviance_range) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
-        # Below the best mu0, residuals depend less on mu0 than above it, but never less than without junction growth.
+        # Below the best mu0, residuals depend less on mu0 than above it, but no less than without junction growth.
         width_below = np.maximum(width_above, math.sqrt(limits.deviance_range) / limits.triangular_factors[:, :1, 0])
         return replace(limits, best_mu0=best_mu0, width_below=width_below, width_above=width_above)
 
@@ -979,8 +980,8 @@ def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: flo
     tau0_at_zero_mu0 = first_row[:, 2] / np.where(first_row[:, 1] == 0, 1e-300, first_row[:, 1])
 
     def deviance(tau0: Floats) -> Floats:
-        # `mu0` is the best mu0 at the given tau0, times a positive factor.
-        # Limiting mu0 to at least 0 adds `mu0`² to the deviance wherever `mu0` is negative.
+        # Apart from a positive factor, `mu0` is the best mu0 at the given tau0.
+        # Where the best mu0 is negative, the condition mu0 >= 0 raises the deviance by `mu0`².
         mu0 = first_row[:, 2] - first_row[:, 1] * tau0
         return np.asarray((second_row[:, 2] - second_row[:, 1] * tau0) ** 2 + np.minimum(mu0, 0.0) ** 2)
 

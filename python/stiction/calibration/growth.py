@@ -8,7 +8,7 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Number of tau0 values in each grid search, and number of searches, each over a narrower range than the previous one.
+# The best tau0 is found on a sequence of ever narrower grids: number of tau0 values per grid, and number of grids.
 NUM_TAU0_SEARCH_POINTS, NUM_TAU0_SEARCHES = 13, 3
 NUM_NEWTON_STEPS = 3
 MU0_DERIVATIVE_STEP = 1e-4  # divided by 0.1 + mu0

@@ -33,7 +33,7 @@ class PlanConditions(NamedTuple):
     """Assumptions about further friction tests: number, relative error, hardness, true area per load of a ball."""
 
     num_tests: int
-    # Median relative error of the coefficients that were measured so far, or `DEFAULT_RELATIVE_ERROR` if unknown.
+    # Median relative error of the friction coefficients measured so far, or `DEFAULT_RELATIVE_ERROR` if unknown.
     relative_error: float
     is_error_known: bool
     # True area per load (1/GPa) of a ball at its highest and at its lowest tested load, which may be the same load.

@@ -115,7 +115,7 @@ class Interface(InterfaceStrength):
             scores = {**independent_scores, **fit.scores}
             law = FrictionLaw(fit.mu0, fit.tau0)
             samples = area_factor.input_values({name: ndtr(scores[name]) for name in area_factor.nuisance_names})
-            # If an uncertain input of the result is shared with the tests, the samples drawn by the fit are used.
+            # If the result and the tests share an uncertain input, the samples of this input drawn by the fit are used.
             shared_names = shared_inputs.keys() & area_factor.uncertain_inputs.keys()
             samples |= {name: shared_inputs[name].sample(fit) for name in shared_names}
             area, friction_fraction = area_factor.onset_area_and_friction_factors(samples, law)

@@ -24,7 +24,7 @@ A command with a short computation allocates fewer objects, most of them in impo
 def main() -> None:
     """Run a command, and exit with status 0 after success, 2 after bad input, or 130 after Ctrl-C."""
     gc.set_threshold(ALLOCATIONS_PER_COLLECTION)
-    # All matrices are small, and further threads of OpenBLAS would occupy the processor for 0.1 s while they wait.
+    # For small matrices, one OpenBLAS thread suffices; others would occupy the processor for 0.1 s while they wait.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Pydantic would otherwise read the metadata of all installed packages to find its plugins.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
@@ -63,7 +63,7 @@ def _redirect_closed_streams() -> None:
         try:
             os.fstat(number)
         except OSError:
-            # If a standard stream is closed, `os.fstat` fails, and `os.open` reuses its number, the lowest free one.
+            # `os.fstat` fails for a closed stream, whose number `os.open` then reuses as the lowest free number.
             null_device = os.open(os.devnull, os.O_RDWR)
             setattr(sys, name, os.fdopen(null_device, "w" if number else "r"))
 

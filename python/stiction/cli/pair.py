@@ -158,7 +158,7 @@ def pair(
     studies = measured_pair.studies
     # The surfaces are checked before any file is written.
     find_body_attributes(studies[0])
-    # The first remark, on the source of the elastic constants, is omitted without `verbose`: the result has the source.
+    # Without `verbose`, the remark on the source of the elastic constants is omitted: the result has the source.
     first_remark = 0 if verbose else bool(measured_pair.elasticity.source)
     for remark in measured_pair.remarks[first_remark:]:
         print_message(remark)

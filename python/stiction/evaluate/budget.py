@@ -275,7 +275,7 @@ def _evaluate_uncertainty(
         return tables, {}
     percent_attributes = quantity_attributes("percentile")
     coordinates: dict[str, Any] = {"percentile": ("percentile", FRICTION_PERCENTILES, percent_attributes)}
-    # The range of friction percentiles at the first cutoff is extended to include the ranges at all other cutoffs.
+    # Percentiles of friction at the first cutoff are widened to include the percentiles at all other cutoffs.
     if study.surfaces.both_readings and "cut_off" in dims:
         percentiles_by_cutoff = np.moveaxis(percentiles, dims.index("cut_off"), 0)
         percentiles_by_cutoff[0] = extend_percentiles(percentiles_by_cutoff[0], percentiles_by_cutoff[1:])
@@ -322,7 +322,7 @@ def find_inputs_and_strengths(
     shared_inputs = find_shared_inputs(interface, estimates, pair_checksum)
     strengths = []
     for fit, coverage in apply_ranges_of_pair(interface, shared_inputs).sampled_fits:
-        # If an uncertain input of the pair is shared with the tests, the samples drawn by the calibration are used.
+        # If the pair and the tests share an uncertain input, the samples drawn by the calibration are used.
         shared = {name: shared_inputs[name].sample(fit) for name in inputs if name in shared_inputs}
         area_scores = fit.scores.get(area_error_name(pair_checksum))
         strengths.append(JointSamples(fit.mu0, fit.tau0, shared, area_scores, coverage))
@@ -442,7 +442,7 @@ def _iterate_intervals(
         )
     shape = tuple(at.sizes[dim] for dim in dims)
     all_inputs = replace(study_inputs, mu0=at["mu0"].values[:, np.newaxis], tau0=at["tau0"].values)
-    # Quantities for central inputs, as arrays over mu0 and tau0, keyed by the indices along the other dimensions.
+    # Quantities at the central inputs, each an array over mu0 and tau0; keyed by the indices along other dimensions.
     central_values: dict[tuple[int, ...], Any] = {}
     for position in np.ndindex(*shape):
         indices = dict(zip(dims, position, strict=True))

@@ -51,7 +51,7 @@ NORMAL_DECILE_RANGE = 2.563103131089201
 """Distance between the 10th and the 90th percentile of a normal distribution, in standard deviations."""
 
 MAX_CACHED_AREAS = 64
-# Maximum number of cached pressures, which suffices for all combinations of mu0 and tau0 in one report.
+# Maximum number of cached arrays of yield pressures: enough for all combinations of mu0 and tau0 in one report.
 MAX_CACHED_PRESSURES = 256
 
 
@@ -203,7 +203,7 @@ class InputSampler:
         from scipy.special import ndtri
 
         if fixed:
-            # Inputs and errors that are not fixed keep the samples of a draw in which no input is fixed.
+            # If some inputs are fixed, all other inputs and errors keep the samples drawn without fixed inputs.
             samples = self.draw_samples(inputs, names, _NO_FIXED_INPUTS)
             probabilities = {name: np.array([quantile]) for name, quantile in fixed.items() if name in names}
         else:
@@ -260,7 +260,7 @@ class CombinedIntervals:
         self.sampling_estimate: Floats = point["mean_friction"]
         self.names: tuple[str, ...] = ()
         self.inputs: dict[str, UncertainInput] = {name: study_input.estimate for name, study_input in inputs.items()}
-        # In `strengths`, samples from fits with mu0 = 0 or tau0 = 0 follow the samples from the fit of both parameters.
+        # `strengths` has samples from the fit of mu0 and tau0, and then samples from fits with mu0 = 0 or tau0 = 0.
         self.strengths = strengths
         self.is_tested = any(samples.area_scores is not None for samples in strengths)
         self.area_error = area_error
@@ -274,9 +274,9 @@ class CombinedIntervals:
         if not (value > 0 and math.isfinite(lower) and math.isfinite(upper)):
             return
         self.value, self.sampling = value, (lower, upper)
-        # Lower and upper limit of the coefficient that finer scans could give, computed from the mean coefficient.
+        # Range of the friction coefficients that finer scans could give, computed from the mean coefficient.
         self.finest: tuple[float, float] | None = None
-        # Limits of the coefficient that finer scans could give; the upper one is computed from the mean's upper limit.
+        # Range of coefficients that finer scans could give; its upper end is computed from the mean's upper limit.
         self.bracket: tuple[float, float] | None = None
         is_nonadhesive_half_space = study.uses_half_space and not study.contact.adheres
         if study.contact.hardness is not None and is_nonadhesive_half_space and self.rule == "all":
@@ -424,7 +424,7 @@ class CombinedIntervals:
 
     @cached_property
     def _next_test_samples(self) -> list[tuple[Floats, Floats]]:
-        """Samples of the friction coefficient that one further test would measure, and of an upper limit for it.
+        """Samples of the coefficient that one further friction test would measure, and of its upper limit.
 
         Student's t distribution applies to the logarithm of the coefficient, so that the coefficient is above 0. The
         test is at another place of a body whose roughness drifts, so that the drift counts twice. The list has one pair
@@ -510,7 +510,7 @@ class CombinedIntervals:
         together with other coefficients.
         """
         response = self.response
-        # The key contains 12 decimals of the estimate: later decimals depend on other coefficients in the array.
+        # Beyond its 12th decimal, the estimate has round-off that depends on other coefficients, so the key is rounded.
         estimate = self.sampling_estimate.round(12).tobytes()
         coefficient = response.load, id(response.area), self.rule, self.mu0, self.tau0, estimate
         interval_key = coefficient, self.names, (*fixed.items(),), dwell_time

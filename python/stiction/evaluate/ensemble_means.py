@@ -155,7 +155,7 @@ def compute_ensemble_friction(
         for name in LOAD_SUM_NAMES
     }
     law = FrictionLaw(mu0[:, np.newaxis], tau0)
-    # Shape (2, members, ..., mu0, tau0): index 0 of the first axis is the normal load, index 1 the tangential load.
+    # Array of the shape (2, members, ..., mu0, tau0): normal loads at index 0 of the first axis, tangential loads at 1.
     member_loads = np.stack([law.load("normal", sums), law.load("tangential", sums)])
     load_sums = member_loads.sum(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):

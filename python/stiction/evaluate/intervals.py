@@ -63,7 +63,7 @@ class LoadCrossings:
     fraction: Floats
     reached: NDArray[np.bool_]
     below: NDArray[np.bool_]
-    # Loads of the curves and requested loads, stored only if ratios of quantities to the load are interpolated.
+    # Loads of the curves, and requested loads; None unless the ratio of a quantity to the load is interpolated.
     scale: tuple[Floats, Floats] | None = None
 
     @classmethod
@@ -134,7 +134,7 @@ class LoadCrossings:
         values = np.broadcast_to(values, (*shape, values.shape[-1]))
         values_after = np.take_along_axis(values, index, axis=-1)
         values_before = np.take_along_axis(values, np.maximum(index - 1, 0), axis=-1)
-        # NaN before a crossing, and an infinite stiffness at complete contact, are expected: they cause no warning.
+        # No warning is needed for NaN at the step before a load, nor for the infinite stiffness at complete contact.
         with np.errstate(invalid="ignore"):
             interpolated = np.where(
                 fraction == 1, values_after, values_before + fraction * (values_after - values_before)
@@ -239,7 +239,7 @@ class MeansAtLoads:
 
     def __init__(self, normal: Floats, quantities: Sequence[Floats], repetitions: int, loads: Floats) -> None:
         self.crossing = LoadCrossings.from_curves(normal, loads)
-        # These arrays have one element for each pair of a load curve and a requested load that the curve reaches.
+        # Each array below has one element for each pair of a load curve and a requested load that the curve reaches.
         self._curve, load = map(np.ascontiguousarray, np.nonzero(self.crossing.reached))
         self._index, self._fraction = self.crossing.index[self._curve, load], self.crossing.fraction[self._curve, load]
         self._repetitions = repetitions
@@ -484,7 +484,7 @@ def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[
     has_spread = (standard_deviation > 0) & (values != values[:, :1]).any(axis=1)
     y, rho = deviations / np.where(has_spread, standard_deviation, 1.0)[:, np.newaxis], _TRIAL_NEIGHBOUR_CORRELATIONS
     y[~has_spread] = np.linspace(-1.0, 1.0, value_count)
-    # The inverse of an autoregressive correlation matrix R is tridiagonal, so quadratic forms with R^-1 are short sums.
+    # For an autoregressive matrix R, R^-1 is tridiagonal: yᵀ R^-1 y is a sum of squares and of products of neighbours.
     weight_sums, inflation, quantile, density = _compute_mixture_constants(value_count)
     end_values = y[:, [0, -1]]
     inner_sums, end_squares = y[:, 1:-1].sum(axis=1)[:, np.newaxis], np.square(end_values).sum(axis=1)[:, np.newaxis]
@@ -559,7 +559,7 @@ class ScanPairMean:
 
 
 def average_scan_pairs(values: Floats, upper: NDArray[np.intp], lower: NDArray[np.intp]) -> ScanPairMean | None:
-    """Return the mean over pairs of scans with its variance components.
+    """Average values over pairs of scans, and return the mean with the variance components of the values.
 
     Returns None if there are fewer than two pairs.
 

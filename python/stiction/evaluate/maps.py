@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 DatasetTransformation: TypeAlias = "Callable[[xarray.Dataset], xarray.Dataset]"
 MAX_VALUES_IN_MEMORY = 2**18
 MAP_CELL_DIMENSION_NAMES = ("fractal_dimension", "amplitude", "cut_off")
-# A result has these dimensions only if it covers several sliding rules or several directions of motion.
+# A result has the dimension `sliding` only for several sliding rules, and `direction` only for several directions.
 MOTION_DIMENSION_NAMES = ("sliding", "direction")
 _LOAD_VARIABLES = ("contact_count", *friction.LOAD_SUM_NAMES[:3])
 

@@ -364,13 +364,13 @@ def _remove_negative_means(means: Floats, is_removed: NDArray[np.bool_]) -> Floa
 
 
 def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Dataset) -> Floats:
-    """Set mean coefficients that are only round-off to 0 if mu0 = tau0 = 0.
+    """If mu0 = tau0 = 0, replace mean coefficients that consist only of round-off by exact zeros.
 
     The means have the dimensions (*dims, statistic). Without interface strength, the contributions of opposite
     directions cancel except for round-off, which would have a random sign.
     """
     mu0, tau0 = (members[name].values.reshape([-1 if dim == name else 1 for dim in dims]) for name in ("mu0", "tau0"))
-    # With few members, the limits of an interval are NaN, so each comparison with a limit is False.
+    # If there are too few members for an interval, its limits are NaN, and comparisons with NaN are False.
     exceeds_round_off = (np.abs(means) >= NEGLIGIBLE_COEFFICIENT).any(axis=-1)
     is_zero = ~exceeds_round_off & (mu0 == 0) & (tau0 == 0)
     return np.where(is_zero[..., np.newaxis] & ~np.isnan(means), 0.0, means)
@@ -430,7 +430,7 @@ class MemberDependence:
         if self.order is None or self.lines is None:
             return np.stack(intervals.average_independent_values(values), axis=-1)
         flat_values = values[self.order].reshape(values.shape[0], -1)
-        # Columns in which the same members have values are averaged together. In most columns, all members have values.
+        # Columns in which the same members have finite values are averaged as one array.
         is_finite = np.isfinite(flat_values)
         is_incomplete = ~is_finite.all(axis=0)
         masks, mask_indices = [np.ones(len(flat_values), bool)], np.zeros(flat_values.shape[1], np.intp)
@@ -448,7 +448,7 @@ class MemberDependence:
 
 
 def _compute_mean_and_interval(values: Floats, scan_mean: intervals.ScanPairMean | None) -> tuple[float, float, float]:
-    """Return the mean over pairs of upper and lower scans, followed by the limits of its 95 % interval."""
+    """Average values over pairs of upper and lower scans: return the mean and the limits of its 95 % interval."""
     if scan_mean is None:
         finite_values = values[np.isfinite(values)]
         return float(finite_values.mean()) if finite_values.size else np.nan, np.nan, np.nan

@@ -386,7 +386,7 @@ def _compute_opposing_fraction(
         for rule in ("opposing", "all")
     )
     with np.errstate(divide="ignore", invalid="ignore"):
-        # Tangential friction forces per unit mu0 equal the normal loads of contacts, to first order in the slopes.
+        # To first order in the slopes, the tangential friction force of contacts per unit mu0 equals their normal load.
         fraction = opposing_load / total_load
     return {"share_opposing": ((*member_dims, "direction", "load"), fraction, quantity_attributes("share_opposing"))}
 
@@ -496,7 +496,7 @@ def _interpolate_displacements_and_stiffnesses(
 
 
 def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law: FrictionLaw) -> dict[str, Any]:
-    """Return three results for each member: pull-off force, whether it is a lower bound, friction at zero load."""
+    """Return for each member the pull-off force, whether this force is a lower bound, and the friction at zero load."""
     is_bound = (_to_float_array(piece.variables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
     zero_load_sums = {
         name: _to_float_array(piece.variables[name], (*member_dims, *MOTION_DIMENSION_NAMES), missing=True)[
@@ -528,7 +528,7 @@ def _determine_member_status(piece: xarray.Dataset, loads: Floats, forces: _Memb
     status = np.array(np.broadcast_to(status, forces.normal.shape), STATUS_DTYPE)
     step_dimension = find_step_dimension(piece)
     if "status" in piece:
-        # If no coefficient exists at a load, its status is that of the next loading step, unless that status is "ok".
+        # A load without a friction coefficient gets the status of the next loading step, unless this status is "ok".
         status_codes = _to_float_array(
             piece.variables["status"], (*find_cell_dimensions(piece), "repetition", step_dimension)
         ).astype(int)

@@ -31,7 +31,7 @@ MIN_INPUT_SAMPLES = 2**10
 # Maximum product of the numbers of input samples and displacements; the product determines the memory use.
 MAX_CURVE_VALUE_COUNT = 2**21
 CONTACT_INPUTS = ("hardness", "effective_modulus")
-"""Names of the inputs that change the contacts themselves, so that the shear test is repeated at their limits."""
+"""Inputs that change the contact solution, so that the shear test is repeated at both ends of their ranges."""
 
 MIN_WEIGHT_NEAR_LIMIT = 0.5
 """Weight of an input limit above which a sample of the input has no value if the limit has none."""
@@ -313,9 +313,9 @@ def add_shear_intervals(
 
 
 def _open_lower_limits(test: xr.Dataset, limits: Mapping[str, Floats], varied_tests: Sequence[xr.Dataset]) -> None:
-    """Set lower limits of friction to 0 where a shear test with one input at its limit has no solution.
+    """Set lower limits of friction to 0 where the test has no solution for one input at an end of its range.
 
-    If the faces lock at the limit of the input, lower limits are unchanged, because locking only raises the friction.
+    If the faces lock at the end of the range, lower limits are unchanged, because locking only raises the friction.
     """
     is_lost = np.zeros(test.sizes["displacement"], bool)
     for varied_test in varied_tests:
@@ -357,7 +357,7 @@ def _add_interval_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.D
             continue
         lower, upper = map(float, limits[name])
         if name == "peak_dilation_angle_deg" and lower == upper:
-            # The interval is unknown if all samples peak at one displacement: true peaks may lie between computed ones.
+            # If all samples peak at the same computed displacement, the spread of the true peaks is unknown.
             continue
         if name == "peak_displacement_um":
             index = int(np.nanargmax(test["friction_coefficient"].values))
@@ -372,7 +372,7 @@ def _add_interval_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.D
             test[name].attrs | {"long_name": f"95 % interval of the {test[name].attrs['long_name']}"},
         )
         for name in (*CURVE_NAMES, *CLOSURE_NAMES)
-        # No interval is stored for a curve that is equal for all inputs and strips: its uncertainty is unknown, not 0.
+        # A curve that is equal for all input samples and strips gets no interval: its uncertainty is unknown, not 0.
         if not (limits[name][..., 0] == limits[name][..., 1])[~np.isnan(test[name].values)].all()
     }  # fmt: skip
     return test.assign_coords(end=["lower", "upper"]).assign(variables).assign_attrs(attributes)

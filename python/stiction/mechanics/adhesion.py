@@ -45,7 +45,7 @@ from stiction.mechanics.solution_record import SolutionRecord, StepResult
 NUM_UNACCELERATED_STEPS = 2
 MAX_EXTRAPOLATION_FACTOR = 10.0
 MAX_SOLVES_PER_LOAD = 2000
-# After this number of contact solutions, the solver minimizes the energy: soft bodies then need fewer iterations.
+# After this many contact solutions for a map, the energy is minimized, which takes fewer iterations for soft bodies.
 MAX_SOLVES_BEFORE_MINIMIZATION = 6
 MAX_SOLVES_PER_CONTACT_LOAD = 60
 MAX_SOLVES_PER_TRIAL_CONTACT_LOAD = 12
@@ -54,7 +54,7 @@ MAX_RESIDUAL_TO_TOLERANCE_RATIO = 10.0
 # Smallest tolerance of a contact solution; with a smaller tolerance, round-off may prevent convergence.
 MIN_SOLUTION_TOLERANCE = 1e-8
 TOLERANCE_TO_RESIDUAL_RATIO = 0.05
-# Without extrapolation, errors of contact solutions do not grow from step to step, so a large tolerance suffices.
+# Without extrapolation, errors of contact solutions do not grow from step to step, so their tolerance may be large.
 PLAIN_TOLERANCE_TO_RESIDUAL_RATIO = 1.0
 MAX_SOLUTION_TOLERANCE = 1e-3
 # Numerical errors may raise the attraction by this fraction of the maximum attraction while the bodies separate.
@@ -62,17 +62,17 @@ MAX_NUMERICAL_ATTRACTION_INCREASE = 1e-3
 # Bodies count as separate if the contact load is below this fraction of the mean attraction at first contact.
 MIN_CONTACT_LOAD_RATIO = 1e-3
 CONTACT_LOAD_REDUCTION_RATIO = 0.6
-# Relative tolerance of the pull-off load, which lies between the lowest equilibrium load and a load of separation.
+# Relative difference of the final two loads in a pull-off search: an equilibrium exists at one, but not at the other.
 PULL_OFF_LOAD_TOLERANCE = 0.01
-# A pull-off load is confirmed if steps without extrapolation separate the bodies at a load lower by this fraction.
+# A load is the pull-off load only if, at a load lower by this fraction, plain iterations separate the bodies.
 LOAD_MARGIN_OF_MINIMUM_CHECK = 0.05
 MIN_PREDICTED_LOAD_DECREASE = 0.003
 MIN_CONTACT_LOAD_DIFFERENCE = 0.01
 MAX_REFINEMENT_SOLVES = 6
-# Maximum relative change of the external load: after a larger change, separating bodies may skip equilibria.
+# Maximum relative change of the external load per step: in a larger step, separating bodies may skip equilibria.
 MAX_LOAD_STEP = 0.1
 MAX_TRIAL_LOADS = 40
-# Minimum number of points per side of a grid whose pull-off load is first searched for on a coarser grid.
+# If a grid has at least this many points per side, its pull-off load is first searched for on a coarser grid.
 MIN_COARSENED_POINTS = 128
 
 MAX_MINIMIZATION_STEPS = 10_000
@@ -90,7 +90,7 @@ class _IterationState:
     attraction: Floats
     pressure: Floats | None = None
     contact_load: float = math.nan
-    # Attraction after a step without extrapolation, to which the iteration returns if extrapolation loses contact.
+    # Attraction after the last step without extrapolation: the iteration returns to it if extrapolation loses contact.
     plain_attraction: Floats | None = None
     residual: float = math.inf
     least_residual: float = math.inf
@@ -393,8 +393,8 @@ class AdhesionSolver:
             return states
         # No energy minimization starts from a state found at a given contact load, because this state may be unstable.
         states, stable_states = [*first_states, find_state_of_lowest_load(states)], list(first_states)
-        # The external load is the positive contact load minus the mean attraction, which decreases from state to state.
-        # External loads of later states therefore exceed -(mean attraction in the last of `first_states`).
+        # External load = contact load - mean attraction, where the mean attraction decreases from state to state.
+        # After `first_states`, all external loads exceed the negative mean attraction of the last of these states.
         unsupported_load, is_certain = -first_states[-1].mean_attraction, True
         try:
             first_load = self._find_pull_off_load_on_coarser_grid(start)

@@ -82,7 +82,7 @@ def extrapolated_gradients(
     finer_wavelengths = np.array(EXTRAPOLATED_WAVELENGTH_RATIOS) * shortest_wavelength
     if estimate is None:
         return np.full((finer_wavelengths.size, 3), np.nan)
-    # The extrapolated rms gradients are scaled to continue the scan's rms gradient at its shortest wavelength.
+    # A factor makes the extrapolated rms gradient equal to that of the scan at the scan's shortest wavelength.
     gradient_ratio = gradient / float(roughness.gradient_at(shortest_wavelength))
     gradients = gradient_ratio * np.stack(
         [roughness.continued(finer_wavelengths, power_law) for power_law in fitted_and_limiting_power_laws(estimate)],

@@ -133,7 +133,7 @@ def effective_modulus(
 
 @reject_overflow
 def hertz_sphere(overlap: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike) -> tuple[Floats, Floats]:
-    r"""Compute the force and the area of two elastic spheres in contact (Hertz).
+    r"""Compute contact force and contact area of two elastic spheres from their overlap (Hertz).
 
     Parameters
     ----------
@@ -498,7 +498,7 @@ def fuller_tabor(
     relative_pull_off = np.empty(relative_deviations.shape)
     for index in np.ndindex(relative_pull_off.shape):
         relative_deviation = float(relative_deviations[index])
-        # Units: contact radius at zero load for radii, stretch δ at separation for heights, and 3/2 π w R for loads.
+        # Units: radii in contact radii at zero load, heights in stretches δ at separation, loads in 3/2 π w R.
         a = np.linspace(6 ** (-2 / 3), 1 + np.sqrt(3 + 3 * relative_deviation), 4000)
         force, height = 4 * (a**3 - a**1.5), (a**2 - np.sqrt(a) * 2 / 3) * 6 ** (4 / 3) / 3
 
@@ -531,7 +531,7 @@ def _validate_adhesion_arguments(
 def hertz_cylinder(
     overlap: ArrayLike, radius: ArrayLike, effective_modulus: ArrayLike, *, width: ArrayLike = 1.0
 ) -> tuple[Floats, Floats]:
-    r"""Compute the force and the area of two parallel elastic cylinders in contact (Hertz).
+    r"""Compute contact force and contact area of two parallel elastic cylinders from their overlap (Hertz).
 
     Parameters
     ----------
@@ -636,7 +636,7 @@ def hertz_line(
 def hertz_ellipse(
     overlap: ArrayLike, radius_1: ArrayLike, radius_2: ArrayLike, effective_modulus: ArrayLike
 ) -> tuple[Floats, Floats, tuple[Floats, Floats]]:
-    """Compute the force, the area and the semi-axes of an elliptic contact (Hertz).
+    """Compute contact force, contact area and semi-axes of an elliptic contact from its overlap (Hertz).
 
     Parameters
     ----------

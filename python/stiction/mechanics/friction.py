@@ -324,7 +324,7 @@ def _tabulate_limited_pressure_ratios() -> Floats:
     from scipy.special import gamma, gammainc
 
     mean_pressures = np.linspace(MIN_TABULATED_MEAN_PRESSURE, 1.0, NUM_TABULATED_VALUES)[:, np.newaxis]
-    # The table ends slightly below a mean pressure of 1, where `rate` would be 0 and its logarithm infinite.
+    # The tabulated mean pressures end slightly below 1, where `rate` would be 0 and its logarithm infinite.
     mean_pressures = np.minimum(mean_pressures, 0.9999)
     shape = 1.5 - 0.65 * mean_pressures
     log_low, log_high = np.full_like(mean_pressures, -12.0), np.full_like(mean_pressures, 12.0)

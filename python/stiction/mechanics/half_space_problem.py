@@ -34,7 +34,7 @@ quarter of the time of solving a contact with free boundaries.
 
 TRIAL_TILT_TO_MEAN_DISPLACEMENT_RATIO = 0.01
 LINEAR_RESPONSE_TOLERANCE = 1e-7
-# Bound on the pressures (GPa) in a linear response to a mean pressure of 1 GPa: far above any computed pressure.
+# Upper limit of pressures (GPa) in a linear response to a mean pressure of 1 GPa: so high that none reaches it.
 MAX_LINEAR_RESPONSE_PRESSURE = 1e9
 MAX_CELL_ASPECT_RATIO = 1e6
 
@@ -424,7 +424,7 @@ def make_problem(
     )
 
 
-# Minimum number of points in the process zone E* ρ²/w at an adhesive contact's edge: fewer distort the solution.
+# Minimum number of grid points in the process zone E* ρ²/w at the edge of an adhesive contact.
 MIN_PROCESS_ZONE_POINTS = 2.0
 
 
@@ -527,13 +527,15 @@ def lever_arms(problem: HalfSpaceProblem) -> list[Floats]:
 class TiltResponse:
     """Response of contact pressures, approach and moments to a mean pressure, and to a tilt of the upper surface."""
 
-    # Contact pressures (GPa), approach (µm) and moments per area about n axes (GPa µm) at a mean pressure of 1 GPa.
+    # Contact pressures (GPa) at a mean pressure of 1 GPa.
     pressure: Floats
+    # Approach (µm) at a mean pressure of 1 GPa.
     approach: float
+    # Moments per area (GPa µm) about each of n axes at a mean pressure of 1 GPa.
     moments: Floats
     # Change of the contact pressures (GPa) per unit slope of the upper surface along each axis, at constant load.
     slope_pressures: list[Floats]
-    # Matrix (n × n) of the changes of n moments per unit slope along n axes; negative definite if several points touch.
+    # Changes of n moments per area by unit slopes along n axes (n × n); negative definite if several points touch.
     moments_per_slope: Floats
 
     @classmethod
@@ -597,8 +599,8 @@ class ContactSolver:
         max_pressure = np.array([np.inf if problem.hardness is None else problem.hardness])
         gap, self.scale = problem.gap, 1.0
         if (missing := problem.missing) is not None:
-            # Missing points get a gap that never closes.
-            # The tolerance, a fraction of the gap's standard deviation, is corrected for the missing points by `scale`.
+            # At points with missing data, the gap is made so large that it never closes.
+            # `scale` corrects the tolerance, a fraction of the gap's standard deviation, for the gap at missing points.
             measured_gap = gap[~missing]
             mean_displacement = np.ptp(problem.grids.displacement(np.where(missing, 0.0, limit / problem.nominal_area)))
             gap = np.where(

@@ -24,11 +24,11 @@ from stiction.mechanics.model import (
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-# Smallest computed approach distance, as a fraction of the gap's range; a single contact then carries the load.
+# Smallest computed approach, as a fraction of the gap's range: at this approach, one contact carries the whole load.
 _MIN_APPROACH_TO_GAP_RANGE = 1e-6
-# Ratio of successive approach distances. A requested load that is exceeded only between two distances is missed.
+# Ratio of successive approach distances: a load is missed if the bodies carry it only between two distances.
 _SUCCESSIVE_APPROACH_RATIO = 1.1
-# Number of approach distances per batch. Batches of larger distances, which take longer, are computed only if needed.
+# Number of approach distances per batch; the next batch is computed only while a requested load is not reached.
 _APPROACHES_PER_BATCH = 16
 _CANDIDATE_APPROACH_FACTOR = 5.0
 
@@ -157,7 +157,7 @@ class SurfacePair:
             or cached_candidates.deepest < deepest
             or cached_candidates.curvature != model.curvature
         ):
-            # Candidate contacts are searched for beyond the requested approach, because a later approach may be larger.
+            # Candidates are searched for beyond the requested approach: later calls may request larger approaches.
             cached_candidates = candidates(
                 self.upper, self.lower, deepest=_CANDIDATE_APPROACH_FACTOR * deepest, curvature=model.curvature
             )

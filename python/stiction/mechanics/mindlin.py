@@ -68,7 +68,7 @@ def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
     from scipy.special import ellipkm1, elliprd
 
     squared_axis_ratio = (axes[:, 1] / axes[:, 0]) ** 2
-    # Mean cos² of the angle between larger semi-axis and line to a loaded point: (K(m) - E(m))/(m K(m)), m = 1 - b²/a².
+    # Mean cos² of the angle between major axis and line to a loaded point: (K(m) - E(m))/(m K(m)), m = 1 - b²/a².
     longitudinal_fraction = elliprd(0, squared_axis_ratio, 1) / 3 / ellipkm1(squared_axis_ratio)
     return np.asarray(longitudinal_fraction * np.sin(angle) ** 2 + (1 - longitudinal_fraction) * np.cos(angle) ** 2)
 
@@ -198,7 +198,7 @@ class HalfSpaceTangentialProblem:
             problem.has_finite_approach,
         )
         self.shape, self.size = problem.gap.shape, problem.gap.size
-        # On a profile, all loads are lines across the motion, so the transverse fraction of tangential tractions is 1.
+        # In profiles, tangential tractions are line loads across the motion, whose `transverse_fraction` is 1.
         transverse_fraction = 1.0 if len(self.shape) == 1 else 0.5
         self.ratio = float(compliance_ratio(poisson, problem.compliance_share, transverse_fraction))
         self.points: NDArray[Any] = contact_solution.points
@@ -252,7 +252,7 @@ class HalfSpaceTangentialProblem:
                 f"{solution.iterations} iterations, above the tolerance {self.tolerance:g}"
             )
         traction = solution.pressure[self.points]
-        # In full contact, the bodies do not move before a point slips, so a computed displacement is only round-off.
+        # In full contact without slip, the tangential displacement is 0, so a computed displacement is only round-off.
         is_at_rest = self.stiffness == np.inf and not (traction >= self.bound).any()
         displacement = 0.0 if is_at_rest else solution.approach * self.ratio
         has_displacements = solution.potential.size == self.points.size

@@ -28,9 +28,11 @@ if TYPE_CHECKING:
 
     from stiction.mechanics.presliding import FourParameterIwan, LuGre
 
-# Fractions of the load or displacement at the onset of sliding: two tolerances, and the smallest accepted fraction.
+# Relative tolerance of tangential loads.
 LOAD_TOLERANCE = 1e-9
+# Smallest accepted load or displacement, as a fraction of the load or displacement at the onset of sliding.
 MIN_SLIDING_FRACTION = 1e-12
+# Relative tolerance of tangential displacements.
 DISPLACEMENT_TOLERANCE = 1e-7
 
 

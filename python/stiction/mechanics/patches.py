@@ -47,7 +47,7 @@ class PatchSums:
     forward: Floats  # -Σ F s·t, mN
     upward_area: Floats  # Σ A t_z, µm²
     forward_area: Floats  # -Σ A s·t, µm²
-    # Rms slope of each of k contact solutions, weighted by the contact force.
+    # Rms slope in each contact solution, weighted by the contact force; one element per solution.
     steepness: Floats
     first_patch: NDArray[np.int64]
 

@@ -66,7 +66,7 @@ class ResultQuantity:
     denominator: tuple[str, ...] = ()
     sum_under_load: str = ""
     bounds: tuple[float, float] = (-math.inf, math.inf)
-    # Limits of stored numbers. A result may contain infinite numbers only if one of these limits is infinite.
+    # Range of the quantity's stored values: infinity may be stored only if it is a limit of this range.
     stored_bounds: tuple[float, float] = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
     interval_kind: EstimateKind = "mean"
     percent: bool = False
@@ -74,7 +74,7 @@ class ResultQuantity:
     column_factor: float = 1.0
     # True if the ratio quantity/load is interpolated linearly in ln(load), False if the quantity is interpolated.
     proportional: bool = False
-    # False if the quantity is proportional to the load between bodies without adhesion, but not with adhesion.
+    # False if adhesion makes the quantity deviate from proportionality to the load.
     proportional_with_adhesion: bool = True
     weighted: bool = False
     # Name of another quantity: the fraction of members for which only a lower bound of this quantity is known.

@@ -415,7 +415,7 @@ def _add_plastic_limits(
         kappa * loads / (modulus * body_pair.nominal_area * brackets.developed_interface_area_ratio(np.array(gradient)))
     )
     area_fractions = brackets.elastic_area_fraction(gradients, area_of_slope, kappa_uncertainty)
-    # The slope correction hardly depends on the uncertainty of the gradient, so only the best gradient is used.
+    # The slope correction hardly depends on the uncertainty of the gradient, so only the central gradient is used.
     central_gradients = gradients[:, :1, np.newaxis]
     dimensions = ("finer_wavelength", "normal_load", "statistic")
     quantities: dict[str, tuple[Any, Floats, str, str]] = {

@@ -333,7 +333,7 @@ class ShearBox:
         max_load = math.inf if self.hardness is None else self.hardness * overlap_area
         rows: list[StepResult] = []
         if self.stiffness and first_row is not None and not math.isfinite(float(first_row["height"])):
-            # With a normal stiffness, the load depends on the rise since the first step, whose height is unknown (NaN).
+            # With a normal stiffness, the load depends on the first step's height; it is unknown if that height is NaN.
             missing_values = dict.fromkeys((*_STEP_QUANTITIES, "elastic_load"), math.nan)
             return missing_values | {"overlap_area": overlap_area, "status": STATUS_NOT_SOLVED}
 

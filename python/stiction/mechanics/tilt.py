@@ -34,12 +34,12 @@ from stiction.mechanics.solution_record import SolutionRecord, StepResult
 MAX_RELATIVE_FORCE_OFFSET = 1e-4
 MAX_TILT_SOLVES_PER_LOAD = 60
 MAX_EDGE_DISPLACEMENT_STEP = 0.5
-# This term is added to the diagonal of Newton's equations for the tilt, so that they have a solution.
-# Unit of the term in Newton's equations: (mean pressure) · (side length)² / (standard deviation of the gap).
+# Newton's equations for the tilt have this term added to their diagonal, so that they have a solution.
+# Unit of `ADDED_MOMENT_PER_SLOPE`: (mean pressure) · (side length)² / (standard deviation of the gap).
 ADDED_MOMENT_PER_SLOPE = 1e-6
 INDENTATION_TOLERANCE = 1e-6
 MAX_CUTTING_PLANES = 200
-# Accepted error of the potential energy of rigid surfaces, as a fraction of load times range of the gap.
+# Accepted error of the potential energy of rigid surfaces, as a fraction of (load) · (range of the gap).
 RIGID_TILT_TOLERANCE = 1e-12
 
 
@@ -92,7 +92,7 @@ def solve_with_balanced_tilt(
             slope_step *= min(
                 1.0, MAX_EDGE_DISPLACEMENT_STEP * gap_deviation / float(np.abs(slope_step * side_lengths / 2).max())
             )
-            # A change of the tilt far beyond the energy maximum would reverse the moments, so the change is halved.
+            # If the tilt goes far beyond the energy maximum, the moments reverse their sign, so the change is halved.
             while num_tried < MAX_TILT_SOLVES_PER_LOAD:
                 num_tried += 1
                 candidate = solve_contact_and_moments(

@@ -280,7 +280,7 @@ def nondimensional(
     return xarray.Dataset(
         {str(name): divide_by_units(str(name), array.variable) for name, array in result.data_vars.items()},
         {str(name): divide_by_units(str(name), array.variable) for name, array in result.coords.items()},
-        # The attribute `study` is left out, because it contains lengths and pressures with units.
+        # The dimensionless dataset has no attribute `study`, because the lengths and pressures in it have units.
         {name: value for name, value in result.attrs.items() if name != "study"}
         | {"length_um": length, "effective_modulus_GPa": modulus_value},
     )

@@ -409,7 +409,7 @@ With 512² to 1536² points, the elastic area took 1.0 to 1.3 times the time of 
 contact has smaller patches.
 """
 
-# Maximum number of iterations for profiles (False) and maps (True); a step of an energy minimization counts as one.
+# Maximum number of adhesion iterations for profiles (False) and maps (True), including steps of minimizations.
 MAX_ADHESION_ITERATIONS = {False: 10_700, True: 3100}
 ADHESION_ITERATIONS_AT_UNIT_RATIO = {False: 100_000, True: 5000}
 """Number of iterations for the adhesion of a gap with E* Sq Sdq / (4 w) = 1, for lines (False) and maps (True).

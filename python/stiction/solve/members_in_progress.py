@@ -67,7 +67,7 @@ class MembersInProgress:
         self._estimate_mean_iterations = estimate_mean_iterations
         self._records: dict[int, SolutionRecord] = {}
         self._excess_work = 0.0
-        # Iterations of all finished members: number needed, and number expected before the members were computed.
+        # Number of iterations of all finished members, and the number expected before these members were computed.
         self._finished_count, self._expected_finished_count = 0, 0.0
 
     @cached_property
@@ -187,7 +187,7 @@ def remove_stored_steps(directory: Path, members: Container[int] | None = None, 
                         path.unlink(missing_ok=True)
                 _files.remove_stale_partial_files(member_directory)
                 member_directory.rmdir()
-    # The directory may be missing, or contain the finished steps of other members.
+    # The directory of steps may be missing, or it may still contain the finished steps of other members.
     with contextlib.suppress(OSError):
         (directory / IN_PROGRESS_DIRECTORY).rmdir()
 

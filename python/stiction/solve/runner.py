@@ -62,7 +62,7 @@ from stiction.study.values import StudyError
 if TYPE_CHECKING:
     import xarray
 
-# Computing time (s) of a block of members: storing the block takes much less, and its loss in a crash costs little.
+# Computing time (s) of a block of members: long compared with the time to store it, but a small loss in a crash.
 TARGET_BLOCK_TIME = 1.5
 MAX_BLOCK_MEMBERS = 4096
 MAX_BLOCK_BYTES = 2**24
@@ -92,7 +92,7 @@ def choose_block_size(study: Study) -> int:
 def compute_member_sums(
     study: Study, *, executor: Executor | None = None, store: str | Path | None = None, progress: bool = False
 ) -> MemberSums:
-    """Compute forces and areas, summed over contacts, for all members of a study, and store them if requested.
+    """Compute forces and areas, summed over contacts, for all members of a study, and store the sums if requested.
 
     Without a directory, the forces and areas are only in memory.
     """

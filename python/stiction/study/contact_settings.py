@@ -690,10 +690,10 @@ def parse_contact_settings(
 
 
 def _add_loads_outside_range(given_loads: Floats, margin: float, num_loads: int) -> Floats:
-    """Add a series of `num_loads` loads (mN), from below the smallest to above the largest given load.
+    """Return the given loads (mN) and a geometric series of loads that starts below and ends above all of them.
 
-    The progression begins below the smallest given load and ends above the largest, each by the factor `margin`. Loads
-    of the progression that equal a given load are omitted.
+    The series has `num_loads` loads, from the smallest given load divided by `margin` to the largest times `margin`.
+    Loads of the series that equal a given load are omitted.
     """
     load_series = np.geomspace(given_loads.min() / margin, given_loads.max() * margin, num_loads)
     is_new_load = np.abs(load_series[:, np.newaxis] / given_loads - 1).min(axis=1) > 1e-6

@@ -21,7 +21,7 @@ from stiction.mechanics.materials import (
 )
 
 NUM_MATERIAL_DIGITS = 3
-# With this number of digits of the elastic constants, E* of any two materials has three correct digits.
+# If elastic constants have this number of digits, E* of any two materials is correct to three digits.
 NUM_ELASTIC_CONSTANT_DIGITS = 6
 
 

@@ -72,7 +72,7 @@ MAX_POISSON_RATIO = 0.5
 MAX_JUNCTION_GROWTH_COEFFICIENT = 100.0
 SLIP_LINE_TEXT = "slip-line"
 MIN_HARDNESS_TO_SHEAR_RATIO, MAX_HARDNESS_TO_SHEAR_RATIO = 5.0, 6.5  # slip-line theory
-# Accepted limits of the yield exponent m. The m fitted to a rough surface is usually between 0.7 and 1.6.
+# Accepted range of the yield exponent m; fits to rough surfaces usually give an m between 0.7 and 1.6.
 MIN_YIELD_EXPONENT, MAX_YIELD_EXPONENT = 0.5, 10.0
 MAX_AREA_LOSS = 0.9
 # At the largest accepted creep exponent, the hardness falls to a third in each decade of time.
@@ -373,7 +373,7 @@ def select_by_weight(cumulative_weights: Floats, count: int, offset: float) -> N
     `offset` is a number from 0 to 1 that shifts the selection.
     """
     targets = (np.arange(count) + offset) / count * cumulative_weights[-1]
-    # Round-off may raise the last element of `targets` above the sum of all weights, so indices are limited.
+    # Round-off may raise the last target above the sum of all weights, so no index exceeds that of the last weight.
     indices: NDArray[np.intp] = np.minimum(np.searchsorted(cumulative_weights, targets), cumulative_weights.size - 1)
     return indices
 

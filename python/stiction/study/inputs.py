@@ -113,7 +113,7 @@ class Inputs:
         cls, values: Mapping[str, InputValue], bodies: tuple[tuple[InputValue, InputValue], ...] = (),
         materials: tuple[Material, ...] = (),
     ) -> Inputs:  # fmt: skip
-        """Create inputs from given values instead of a study.
+        """Create inputs from given values instead of from a study.
 
         The values must include E*.
 

@@ -119,7 +119,7 @@ or only with care.
 `calibrate` fills these entries, so that the argument `about` of `write_interface` must not contain them.
 """
 
-# If a file has no columns of normal scores, scores are computed from the samples and limited to ± this number.
+# For a file without columns of normal scores, scores are computed from the samples and limited to ± this number.
 MAX_RECOVERED_NORMAL_SCORE = 5.0
 _SCORE_COLUMN_PREFIX = "score of "
 
@@ -159,14 +159,14 @@ class StrengthFit:
     # Random samples of mu0 and tau0 (GPa). Samples with the same index form a pair.
     mu0: Floats
     tau0: Floats
-    # Hardness (GPa) of each pair of samples, or NaN if the tests have different hardnesses.
+    # Hardness (GPa) for each sample of mu0 and tau0, or NaN if the tests have different hardnesses.
     hardness: Floats
-    # Junction growth α of each pair of samples, or NaN if α differs between tests or has no effect.
+    # Junction growth α for each sample of mu0 and tau0, or NaN if α differs between tests or has no effect.
     junction_growth: Floats
     # Area per load A/F (1/GPa) at the onset of sliding in the tests, or NaN if unknown.
     area_per_load: Floats
-    # Normal scores of uncertain inputs and area errors, keyed by `shared_input_name` or `area_error_name`.
-    # A pair that shares an input with the tests uses the normal scores of this input.
+    # Standard normal scores of the samples of uncertain inputs and area errors, keyed by input or area-error name.
+    # If a pair shares an uncertain input with the tests, the samples for the pair use the normal scores of this input.
     scores: Mapping[str, Floats] = field(default_factory=dict)
     # Fits with mu0 = 0 or tau0 = 0, keyed by the name of the fixed parameter, unless the tests exclude the value 0.
     fits_at_bounds: Mapping[str, StrengthFit] = field(default_factory=dict)
@@ -473,7 +473,7 @@ class InterfaceStrength:
 
     @property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth α in the tests; None if α differs between tests or does not affect them."""
+        """Junction growth α in the tests; None if tests differ in α, or if α affects no test."""
         if JUNCTION_GROWTH_HEADER_ENTRY not in self.about:
             return None
         median = float(f"{np.median(self.fits[0].junction_growth):.4g}")
@@ -525,7 +525,7 @@ def compute_coverage_at_bound(values: Floats) -> float:
     if density_at_bound == 0:
         return 0.0
     squared_score = max(Z_95**2 + 2 * math.log(density_at_bound / max_density), 0.0)
-    # The probability is at most 95 %, its value if the density is highest at 0. Round-off may raise `erf` above 95 %.
+    # The probability is 95 % if the density is highest at 0, and lower otherwise; `min` removes the round-off of `erf`.
     return min(math.erf(math.sqrt(squared_score / 2)), INTERVAL_COVERAGE)
 
 

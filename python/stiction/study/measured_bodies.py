@@ -130,7 +130,7 @@ MAX_TIP_CORRECTION = 10.0
 
 
 class BodyInMemory:
-    """Measured body that the user passes as an object in memory instead of a file.
+    """Measured body that the user passes as an object in memory instead of as a file.
 
     The class is not a dataclass, so that copies of a study share the body.
     """

@@ -66,13 +66,13 @@ BODY_ATTRIBUTE_SPECS: dict[str, AttributeSpec] = {
         for side in SIDES
         for name in ("spacing", "extent")
     },
-    # Fraction of a scan that was interpolated, and size of its largest unmeasured region (maps: µm², profiles: µm).
+    # Interpolated fraction of a scan, and size of its largest unmeasured region (in maps µm², in profiles µm).
     **{f"{side}_filled": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
-    # Fraction of the points of a scan that are missing between two measured points.
+    # Fraction of a scan's points that are missing and lie between measured points.
     **{f"{side}_pierced": AttributeSpec(sizes=(1,), bounds=(0, 1), is_required=False) for side in SIDES},
     # Ratio of the rms slopes of a map across and along its lay, stored if both maps have a lay.
     **{f"{side}_lay": AttributeSpec(sizes=(1,), bounds=(1, MAX_STORED_VALUE), is_required=False) for side in SIDES},
-    # Drift of ln(rms slope) along a scan, and fraction of the gap's mean square slope that the scan contributes.
+    # Two numbers: drift of ln(rms slope) along a scan, and contribution of the scan to the gap's mean square slope.
     **{f"{side}_drift": AttributeSpec(sizes=(2,), bounds=(0, MAX_STORED_VALUE), is_required=False) for side in SIDES},
 }
 """Specifications of the attributes in a result that describe measured bodies. Values for several axes are in the order
@@ -97,10 +97,7 @@ class BodyAttributes:
 
 
 class MemberSource(Protocol):
-    """Source of the members of a study.
-
-    Each index gives one member, a pair of bodies.
-    """
+    """Source of the members of a study: returns the pair of bodies of the member with a given index."""
 
     def member(self, index: int) -> EnsembleMember:
         """Return the member (pair of bodies) with a given index.
@@ -145,12 +142,12 @@ class LineMemberSource:
             return self._member_at(slider, counterface, round(self.positions[offset_index] / slider.spacing), line)
         if max_steps == 0 and offset_index > 0:
             raise ValueError("several positions require a slider that is shorter than its counterface; give a travel")
-        # The slider of a single pair of lines is shifted, because both lines may come from the same scan.
+        # If there is only one pair of lines, the slider is shifted, because both lines may come from the same scan.
         is_unshifted = pairs.has_several_pairs and num_offsets == 1 and pairs.travel is None
         if is_unshifted or max_steps == 0:
             offset_steps = 0
         elif num_offsets == 1 and pairs.travel is not None and offset_index == 0:
-            # If a travel and only one relative position are wanted, this position is the end of the travel.
+            # With a travel but only one relative position, the slider is placed at the end of the travel.
             offset_steps = max_steps
         else:
             offset_steps = 1 + min(int(quasi_random_point(offset_index + 1, 1)[0] * max_steps), max_steps - 1)

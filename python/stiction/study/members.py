@@ -37,7 +37,7 @@ from stiction.surfaces.surface import Surface
 MAX_BATCH_BYTES = 64_000_000  # bytes
 MAX_CACHED_PAIRS = 16
 NUM_AVERAGED_MEMBERS = 16
-# Assumed number of points of a profile (False) or a map (True) whose scan file is missing.
+# Number of points assumed for a profile (False) or a map (True) if its scan file is missing.
 TYPICAL_SCAN_POINTS = {False: 4000, True: 400**2}
 
 # ---- Generated bodies ------------------------------------------------------------------------------------------------
@@ -244,7 +244,7 @@ class PreparedBodies:
     def member(self, index: int, wavelength: float) -> EnsembleMember:
         """Return the surface pair `index`; its scans are low-pass filtered at `wavelength` (µm, 0 for no filter)."""
         surfaces = self._surfaces
-        # Members of each scan pair are numbered from 0. Surrogates keep their number in the study, which is their seed.
+        # Within a scan pair, members are numbered from 0, except surrogates, whose number in the study is their seed.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
         index_within_pair = index if has_surrogates else index // math.prod(surfaces.scan_counts)
         return self.members(wavelength, *surfaces.scan_indices_of_members(index)).member(index_within_pair)

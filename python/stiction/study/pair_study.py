@@ -929,7 +929,7 @@ class MeasuredPair:
             "ensemble": self._build_ensemble_section(),
             "friction": placeholder_friction,
         }
-        # Checksums make the surface settings equal to those of the final study, so both studies share cached bodies.
+        # With file checksums, the surface settings equal those of the final study, so both studies share cached bodies.
         return find_body_attributes(_validate_study(sections).with_checksums())
 
     @property

@@ -35,7 +35,7 @@ MAX_CONDITIONED_FRACTION = 0.4
 
 WEIGHT_EXPONENT_STEP = 0.9
 RELATIVE_WIDTH_OF_EXACT_NUMBER = 1e-6
-# Outside its range, a uniform density decays like a normal density with this standard deviation, in half widths.
+# Standard deviation (in half widths) of the normal density that continues a uniform density outside its range.
 RELATIVE_DENSITY_EDGE_WIDTH = 0.01
 
 INPUTS_COMPARED_ELSEWHERE = ("mu0", "tau0", "junction_growth", "creep")

@@ -690,7 +690,7 @@ def _find_size_effect_caveats(point: xarray.Dataset, study: Study, value: Slidin
     area = mean_over_directions(point, "contact_area")
     law = Inputs.from_study(study).friction_law(0.0, read_number(point, "tau0"))
     _, adhesive = law.contributions(0.0, area / read_number(point, "load"))
-    # The coefficient is 0 if mu0 and tau0 are 0. A coefficient that is only a lower limit may be less than tau0 A/F.
+    # The ratio to a coefficient of 0 is undefined. A coefficient that is only a lower limit may be below tau0 A/F.
     adhesive_share = min(adhesive / value.value, 1.0) if adhesive > 0 else 0.0
     if loads := _find_loads_of_tested_pair(study):
         yield from _find_size_effect_change(point, study, size_effect, adhesive_share, loads)

@@ -32,7 +32,7 @@ from stiction.surfaces.surface import Surface
 
 ASSUMED_MU0 = 0.4
 RADIAL_BINS_PER_DECADE = 20
-# With a Hann window, the variance of ln(density) in a bin of n harmonics is this number divided by n.
+# With a Hann window, ln(density) in a bin of n harmonics has the variance `_HANN_LOG_DENSITY_VARIANCE` / n.
 _HANN_LOG_DENSITY_VARIANCE = 2.0
 
 
@@ -203,7 +203,7 @@ class Characterisation:
 
         The tuple is empty if the slopes along an axis are 0.
         """
-        # The factor 2 gives the mean square slope of the gap between two equally rough bodies; [::-1] puts x before y.
+        # The gap between two equally rough bodies has twice the mean square slope of one body; [::-1] puts x before y.
         mean_square_slopes = [2 * float(np.square(slopes).mean()) for slopes in compute_slopes(self.body)][::-1]
         return tuple(
             float(

@@ -191,7 +191,7 @@ class Evaluation(MemberSums):
         surfaces: Any = self.study.surfaces
         if isinstance(surfaces.fractal_dimension, tuple):
             return quantities
-        # A curve over a range of fractal dimensions needs only a few points. Listed fractal dimensions are all shown.
+        # A curve over a range of fractal dimensions needs only a few points.
         num_dimensions = quantities.sizes["fractal_dimension"]
         shown_indices = np.unique(
             np.linspace(0, num_dimensions - 1, min(NUM_OVERVIEW_FRACTAL_DIMENSIONS, num_dimensions)).round().astype(int)

@@ -83,7 +83,7 @@ def find_input_caveats(
 
     `alternatives` contains the names of the alternative preparations that the interval includes.
     """
-    # No caveat about form error is given for a gap between two faces, or if the form of the scans was subtracted.
+    # Form error causes no caveat in a gap between two faces, nor in scans whose form was subtracted.
     surfaces: Any = study.surfaces
     is_form_subtracted = surfaces.level == "quadratic"
     is_vouched = bool(surfaces.vouched)
@@ -393,7 +393,7 @@ def _find_instrument_caveats(
     except ValueError:
         return
     if 0 < cut_off < limit.cut_off and limit.slope_fraction > 0 and not has_second_cutoff:
-        # If the scan is filtered at a cutoff below `limit.cut_off`, only the noise that remains is assessed.
+        # If the filter of a scan removes only part of its noise, only the noise that the filter transmits is assessed.
         limit = replace(limit, slope_fraction=defects.find_noise_slope_fraction(cut_off))
     shortest_resolved = limit.wavelength if limit.slope_fraction > MAX_NOISE_SLOPE_FRACTION else 0.0
     if shortest_resolved:

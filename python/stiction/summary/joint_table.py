@@ -197,7 +197,7 @@ def _check_pair_is_measured(study: Study, nominal_area: float | None) -> float:
 
 
 def parse_closure_start(closure_from: Any, study: Study, nominal_area: float | None) -> float:
-    """Convert the user's start of closure (a load or nominal pressure) to the load (mN) at which closure is 0.
+    """Convert the load or nominal pressure from which closure is counted to a load in mN.
 
     Raises a `ValueError` if the bodies were generated.
     """

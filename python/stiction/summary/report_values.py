@@ -98,7 +98,7 @@ def evaluate_measured_report(grid: ReportGrid) -> ReportValuesOfMeasuredSurfaces
     estimates, sampling, status_codes, num_solved, slopes = (
         np.stack(arrays) for arrays in zip(*(_stack_motions(values, grid.motions) for values in tables), strict=True)
     )
-    # Combined intervals exist only for the mean over all directions, and only for the reported kind of member.
+    # Only the first kind of members has combined intervals, and only for the mean over all directions of motion.
     has_combined = np.zeros((len(tables), len(grid.motions)), bool)
     has_combined[0] = [len(motion) == len(grid.motions[0]) for motion in grid.motions]
     estimates[

@@ -461,7 +461,7 @@ def _merge_cutoff_points(points: Sequence[PointSummary]) -> list[PointSummary]:
     The returned list begins with the points at the reported cutoff. The points at the other cutoff are marked as
     covered.
     """
-    # The first result point is at the reported cutoff. Its interval also covers the points at the other cutoff.
+    # The first result point is at the reported cutoff.
     cut_off = points[0].at["cut_off"]
     points_at_other_cutoff = {
         _get_coordinates_without_cutoff(point): point for point in points if point.at["cut_off"] != cut_off

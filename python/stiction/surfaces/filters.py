@@ -279,7 +279,7 @@ class _FilterKernel:
             self._weights = np.exp(-((math.pi * self._offset) ** 2) / math.log(2))
             self._weights /= 2 * self._weights.sum() - self._weights[0]
             return
-        # Weights from an inverse transform have exactly the analytic transmission up to the Nyquist wave number.
+        # The inverse transform of the analytic transmission gives weights that are exact up to the Nyquist wave number.
         transform_length = next_fast_len(max(self.padded_size, 4 * half_width + 2), real=True)
         self._weights = irfft(
             gaussian_transmission(2 * math.pi * rfftfreq(transform_length), cutoff_in_points), transform_length

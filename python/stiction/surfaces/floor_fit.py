@@ -10,7 +10,7 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# A noise floor is significant if it increases the log-likelihood of the fit of power laws by more than this number.
+# A noise floor is significant if it raises the log-likelihood of fitted power laws by more than this number.
 MIN_FLOOR_LIKELIHOOD_GAIN = 2.0
 _INITIAL_FLOOR_TO_LOWEST_DENSITY_RATIO = 0.3
 _RELATIVE_LOSS_TOLERANCE = 1e-13

@@ -8,9 +8,9 @@ import numpy as np
 
 from stiction._checks import Floats
 
-# Minimum distance (bins) between harmonics. Between closer harmonics, too few bins are free of the texture's power.
+# Minimum distance (bins) between harmonics: between closer harmonics, too few bins are unaffected by them.
 MIN_HARMONIC_DISTANCE = 10
-# Minimum bin of a first harmonic: peaks in lower bins may be due to the mean or a tilt, which a Hann window spreads.
+# Minimum bin of a first harmonic: a peak below it may be the mean or a tilt, which the Hann window spreads.
 _MIN_FIRST_HARMONIC_BIN = 2.5
 _MAX_COMPARED_HARMONICS = 8
 _MIN_SIGNIFICANT_HIGHER_HARMONICS = 2
@@ -19,7 +19,7 @@ _MAX_TESTED_PEAKS = 6
 _MIN_HARMONIC_RATIO = 10.0
 _PEAK_HALF_WIDTH_IN_BINS = 2.5
 _SEARCH_POSITIONS_PER_BIN = 16
-# This low quantile estimates the density between two harmonics, because aliased harmonics hardly affect it.
+# The spectral density between two harmonics is estimated by this low quantile, which aliased harmonics hardly raise.
 _BACKGROUND_DENSITY_QUANTILE = 0.3
 
 

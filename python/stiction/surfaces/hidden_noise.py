@@ -27,9 +27,9 @@ MAX_FITTED_WAVELENGTH_POINTS = 16.0
 _BINS_PER_OCTAVE = 8
 _MIN_FIT_BINS = 8
 _RELATIVE_MODEL_ERROR = 0.1
-# Spectral exponents of lines of self-affine surfaces, for the Hurst exponents 0 and 2.
+# Limits of the exponent fitted to spectra of scan lines: 1 (Hurst exponent 0) and 5 (Hurst exponent 2).
 _LINE_SPECTRUM_EXPONENT_RANGE = (1.0, 5.0)
-# Maximum ratio of the fitted noise to the noise estimated from the median density at wavelengths below four points.
+# The fitted noise must not exceed this multiple of the noise estimated from wavelengths below four points.
 _MAX_FITTED_NOISE_RATIO = 2.0
 
 

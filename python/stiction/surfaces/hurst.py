@@ -25,7 +25,7 @@ MIN_BAND_HARMONICS = 8
 _NO_SELF_AFFINE_BAND_MESSAGE = (
     "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
 )
-# Heights below this fraction of their magnitude before the subtraction of a straight line are round-off.
+# After the subtraction of a straight line, heights below this fraction of the original heights are round-off.
 _TREND_ROUND_OFF = 1e-13
 # Number of lowest harmonics that are excluded, because a Hann window adds power from the mean and longer wavelengths.
 _NUM_EXCLUDED_HARMONICS = 2
@@ -35,7 +35,7 @@ _BINS_PER_DECADE = 12
 _MIN_BINS_PER_PIECE = 4
 # Relative deviation from a power law that is assumed in each bin of a measured spectrum.
 _RELATIVE_MODEL_ERROR = 0.1
-# Penalty for each piece of a spectrum: large, because a piece has three parameters and about 50 possible first bins.
+# Each piece of a spectrum adds this penalty to the loss: a piece has three parameters and some 50 possible first bins.
 _SPECTRUM_PIECE_PENALTY = 10.0
 # Maximum deviance of a fit per degree of freedom: random scatter of a spectrum causes about 1, separate peaks more.
 _MAX_DEVIANCE_PER_DEGREE_OF_FREEDOM = 10.0
@@ -458,7 +458,7 @@ def _remove_noisy_end(
     if not fit.is_significant:
         return selection, piece
     (exponent,), (noise_ratio,) = fit.exponents, fit.ratios
-    # The self-affine band ends where noise raises the spectrum above the power law by more than the accepted fraction.
+    # The self-affine band ends where the noise exceeds `_RELATIVE_MODEL_ERROR` times the density of the power law.
     max_log_q = math.log(q[selection][-1]) + min(0.0, math.log(_RELATIVE_MODEL_ERROR / noise_ratio) / exponent)
     end_harmonic = int(np.searchsorted(np.log(q), max_log_q, side="right"))
     if (

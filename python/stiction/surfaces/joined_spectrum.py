@@ -21,7 +21,7 @@ from stiction.surfaces.surrogates import gaussian_heights, isotropic_spectrum
 MIN_POINTS_PER_WAVELENGTH = 8
 # Maximum used wavelength, as a fraction of the scan's side. The window function distorts longer wavelengths.
 MAX_WAVELENGTH_TO_SIDE = 1 / 3
-# Wave vectors per independent density: opposite vectors have equal densities, and neighbours have correlated densities.
+# Number of wave vectors per independent density: opposite ones have equal densities, neighbours correlated ones.
 _WAVE_VECTORS_PER_INDEPENDENT_VALUE = 4.0
 
 
@@ -104,7 +104,7 @@ class JoinedSpectrum(TextReprMixin):
             is_compared = is_shared & np.isfinite(ratio)
             weight = self.contribution[scan_index, is_compared]
             if is_compared.any() and (weight < 1).any():
-                # A scan is compared only with the other scans, so its contribution to the joined density is removed.
+                # A scan is compared with the joined density of the other scans, so its own contribution is removed.
                 other_density = (1 - weight * ratio[is_compared]) / (1 - weight)
                 with np.errstate(divide="ignore", invalid="ignore"):
                     log_ratios = np.log(ratio[is_compared] / other_density)
@@ -137,7 +137,7 @@ class JoinedSpectrum(TextReprMixin):
         rms_values = []
         for power, factor in ((2, 1.0), (4, 0.25)):
             variance_terms = factor * self.wave_number ** (power + 2) * self.density * log_step / (2 * math.pi)
-            # The cumulative sum ends at the centre of each bin, so only half of the variance of the last bin counts.
+            # The integral over wave numbers ends at a bin's centre, so only half of this bin's variance counts.
             rms_values.append(np.sqrt(variance_terms.cumsum() - variance_terms / 2))
         return ScaleDependentRoughness(
             wavelength=make_read_only(2 * math.pi / self.wave_number), gradient=make_read_only(rms_values[0]),
@@ -336,7 +336,7 @@ def _average_in_bins(
     for bin_index in np.unique(bin_indices).tolist():
         is_in_bin = bin_indices == bin_index
         bin_centre = 10 ** ((bin_index + 0.5) / per_decade)
-        # The average is taken over q³ C(q), which is nearly constant within a bin, unlike the density C.
+        # Within a bin, q³ C(q) is nearly constant, unlike the density C(q): therefore q³ C(q) is averaged.
         mean_density = float(
             np.average(density[is_in_bin] * (q[is_in_bin] / bin_centre) ** 3, weights=wave_vector_counts[is_in_bin])
         )

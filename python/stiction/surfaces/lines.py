@@ -19,7 +19,7 @@ from stiction.surfaces.surface import Surface, as_body, reject_flat_body
 # Maximum number of fitted lines of a map: more lines add little information, because neighbouring lines are correlated.
 MAX_FITTED_LINES = 64
 _BOTH_AXES: tuple[LineOrientation, LineOrientation] = ("x", "y")
-# A power law is accepted if ln(density) has an rms deviation from it of at most the logarithm of this factor.
+# A power law is accepted if the spectral density deviates from it by at most this factor (logarithmic rms).
 MAX_POWER_LAW_MISFIT = 1.5
 _MAX_RATIO_OF_EQUAL_BAND_LIMITS = 1.5
 _LOG_MODEL_VARIANCE = 0.04

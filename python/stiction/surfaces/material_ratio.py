@@ -14,7 +14,7 @@ from stiction.surfaces.surface import Surface, as_body
 CORE_FRACTION = 0.4
 # Material ratios that separate peaks from the core, and the core from valleys: the defaults of ISO 25178-3.
 PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO = 0.1, 0.8
-# Material ratios between whose heights the extreme peak height is measured: the defaults of ISO 25178-3.
+# The extreme peak height is the height between these two material ratios: the defaults of ISO 25178-3.
 EXTREME_PEAK_MATERIAL_RATIOS = 0.025, 0.5
 
 

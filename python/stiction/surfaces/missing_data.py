@@ -37,7 +37,7 @@ _MIN_ROUGH_FRACTION = 0.02
 _WINDOW_WIDTHS = {1: 31, 2: 7}  # points, of profiles and maps
 # Minimum number of means over neighbours: the median of three means is robust against an outlier in one of them.
 _MIN_NEIGHBOUR_ESTIMATES = 3
-# A map point with five or more lines through two neighbours may be an outlier although this many lines pass near it.
+# At most this many lines through two neighbours may pass near an outlier that has five or more such lines.
 _MAX_LINES_NEAR_OUTLIER = 2
 _MAX_OUTLIER_PASSES = 8
 # Index offsets from a point to its neighbours in profiles (1) and maps (2).
@@ -139,7 +139,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
             ]
         deviations = mean_deviations, line_deviations
         ratio = _find_smaller_ratio(deviations, [typical.scan_medians for typical in typical_deviations])
-        # Local medians, which can only reject candidates, are computed only around candidates from the whole scan.
+        # Local medians can only reject outliers, so they are computed only where medians of the whole scan find one.
         can_be_outlier = is_measured & ~is_outlier & np.isfinite(line_deviations)
         candidates = np.nonzero(can_be_outlier & (ratio > _MIN_OUTLIER_TO_MEDIAN_DEVIATION_RATIO))
         ratio = np.zeros(heights.shape)

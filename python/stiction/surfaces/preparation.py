@@ -18,9 +18,9 @@ ProfileTrend = Literal["mean", "line", "quadratic"]
 SurfaceTrend = Literal["mean", "plane", "quadratic"]
 ProfileForm = Literal["mean", "line", "quadratic", "cubic", "quartic", "quintic", "sextic", "circle"]
 SurfaceForm = Literal["mean", "plane", "quadratic", "cubic", "quartic", "quintic", "sextic", "sphere", "cylinder"]
-# Kept part of the longer of two bodies with different lengths: its start or its middle.
+# Part that is kept of the longer body if two bodies have different lengths: its start or its middle.
 GridAlignment = Literal["start", "middle"]
-# Round-off tolerated in grid positions, as a fraction of the spacing: at a spacing of 0.1 µm, 0.3 µm is point 3.
+# Errors of positions up to this fraction of the grid spacing count as round-off.
 GRID_POSITION_TOLERANCE = 1e-9
 LEVELLING_ROUND_OFF = 1e-14
 _TREND_DEGREES = {"mean": 0, "line": 1, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5, "sextic": 6}

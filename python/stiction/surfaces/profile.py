@@ -204,7 +204,7 @@ class Profile(Body):
         return self.heights.size * self.spacing
 
     def with_amplitude(self, amplitude: float, measure: AmplitudeMeasure = "height") -> Profile:
-        """Return a copy of the profile with zero mean and a given amplitude (µm), obtained by scaling the heights.
+        """Return a copy of the profile, scaled to zero mean and a given total height, Ra or Rq (µm).
 
         Parameters
         ----------

@@ -20,7 +20,7 @@ from stiction.surfaces.surface import Surface
 
 MAX_ROTATION = 3.0  # degrees
 ROTATION_STEP = 0.5  # degrees
-# Maximum distance (points) of shifted grid points from the other grid at which a shift is rounded to whole points.
+# A shift is rounded to whole points if it puts all points within this distance (points) of points of the other grid.
 GRID_TOLERANCE = 0.02
 MAX_SECOND_CORRELATION_RATIO = 0.7
 MIN_OVERLAP_FRACTION = 0.5

@@ -29,7 +29,7 @@ MIN_HEIGHT_RANGE = 1e-70
 MIN_CORRELATION = 0.5
 _SMOOTHING_WIDTHS = (8.0, 4.0, 2.0, 1.0, 0.0)  # points
 _NUM_STEPS_PER_SMOOTHING_WIDTH = 4
-# White noise after a Gaussian filter (standard deviation: one point) has one independent value per this many points.
+# After a Gaussian filter (standard deviation: one point), white noise has one independent value per this many points.
 _POINTS_PER_INDEPENDENT_VALUE = 2 * math.sqrt(math.pi)
 _OVERLAP_MARGIN_POINTS = 3
 _NUM_TRIAL_CUTOFFS = 400

@@ -30,11 +30,11 @@ MAX_CURVATURE_TIMES_TIP_RADIUS = 0.1
 _ROUGHNESS_BINS_PER_DECADE = 48
 _NOISE_BINS_PER_OCTAVE = 8
 _FIT_WINDOW_WIDTHS_IN_OCTAVES = (1.0, 2.0)
-# Noise is found if the spectral exponent is below that of a surface with H = 0 by this many standard deviations.
+# Noise is found if a spectral exponent is this many standard deviations below the exponent of a surface with H = 0.
 _MIN_EXPONENT_DIFFERENCE_IN_STANDARD_DEVIATIONS = 3.0
 _MAX_HUMP_WAVELENGTH_POINTS = 24.0
 _MIN_DENSITY_TO_NOISE_RATIO = 4.0
-# At no wavelength is the spectral density of a real surface this many times its minimum at longer wavelengths.
+# The spectral density of a real surface never rises above this multiple of its minimum at longer wavelengths.
 _MIN_DENSITY_RATIO_OF_RISE = 3.0
 # Noise is negligible if it contributes at most this fraction of the mean square slope of a scan.
 MAX_NEGLIGIBLE_NOISE_FRACTION = 0.1
@@ -42,20 +42,20 @@ MAX_NEGLIGIBLE_NOISE_FRACTION = 0.1
 CUTOFF_TO_REMOVED_WAVELENGTH_RATIO = 1.9
 _MIN_SLOPE_FRACTION = 1e-4
 _MIN_ALIASED_SURFACE_EXPONENT = 0.6
-# In 1080 generated profiles of turned surfaces, this limit prevents 14 of 22 false detections of noise.
+# In 1080 generated profiles of turned surfaces, this minimum exponent avoids 14 of 22 false detections of noise.
 _MIN_TEXTURED_SURFACE_EXPONENT = 0.8
 # Heights count as quantised if rounding explains at least this fraction of their mean square second difference.
 _MIN_QUANTISATION_FRACTION = 0.3
 # Maximum absolute exponent of a flat spectrum, and maximum rms deviation of its ln(density) from the mean.
 _MAX_FLAT_EXPONENT = 0.35
-# A noise floor may be steeper than a flat spectrum, because the surface contributes to its longer wavelengths.
+# Maximum exponent of a noise floor: above that of flat spectra, because the surface adds power at long wavelengths.
 _MAX_FLOOR_EXPONENT = 0.7
 _PURE_NOISE_WAVELENGTH_FRACTION = 0.7
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
 _MAX_EQUAL_NOISE_RATIO = 2.0
-# Minimum ratio of a spectrum's density to that of the noise it hides; random scatter can make it smaller than 1.
+# Minimum ratio of a spectrum's density to the density of noise that it hides: below 1, because densities scatter.
 _MIN_HIDING_DENSITY_RATIO = 0.8
-# Minimum number of independent lines. With fewer, the spectrum across the lines does not hide noise that they share.
+# With fewer independent lines than this, lines share their noise, and the spectrum across the lines would show it.
 _MIN_INDEPENDENT_LINES = 8.0
 _MIN_EXTRAPOLATION_RATIO = 1e-6
 _NUM_BISECTION_STEPS = 60

@@ -40,7 +40,7 @@ MIN_SPIKE_TO_FLANK_RATIO = 2.0
 The flanks of a groove are high. The ratio is at most 1.7 for milled, turned and ground profiles.
 """
 _NUM_FLANK_POINTS = 4
-# In a Gaussian groove two points wide (at 1/e of the depth), adjacent points differ by up to 0.4 of the depth.
+# In a Gaussian groove with a half width of two points (at 1/e), adjacent points differ by up to 0.4 of the depth.
 _MIN_STEP_TO_SPIKE_HEIGHT_RATIO = 0.7
 _MIN_SPIKE_TO_RMS_RATIO = 2.0
 
@@ -235,7 +235,7 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
         ]  # fmt: skip
     gradients = [difference - difference.mean() for difference in differences]
     power = np.sum([np.square(np.abs(np.fft.rfftn(gradient))) for gradient in gradients], axis=0)
-    # Fourier coefficients between the first and the last column count twice, also for their complex conjugates.
+    # Coefficients between the first and the last column count twice, because `rfftn` omits their complex conjugates.
     num_columns = gradients[0].shape[-1]
     weights = np.full(power.shape[-1], 2.0)
     weights[0] = 1.0
@@ -309,7 +309,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
             np.abs(heights - np.median(heights)),
         )
         threshold, rounding_distance = MIN_SPIKE_HEIGHT_RATIO, rounding_error
-    # Rounding can make the median of `typical_distances` 0, so the usual distance is at least `rounding_distance`.
+    # Rounding can make the median of the distances 0, so the usual distance is at least `rounding_distance`.
     usual_distance = max(float(np.median(typical_distances)) / 0.6745, rounding_distance)
     return np.asarray(distances > threshold * usual_distance)
 

@@ -261,7 +261,7 @@ def _compute_with_setting_class(
                 f"{_format_length(section_lengths[matching_class])}; {remedy}"
             )
         index = next_class
-    # If each of two setting classes gives results that require the other class, the higher class is used.
+    # If two neighbouring setting classes each give results that belong to the other class, the higher class is used.
     if matching_class != index:
         index = max(index, max(visited_classes & {index - 1, index, index + 1}))
     elif index - 1 in possible_classes and find_matching_setting_class(index - 1) == index - 1:

@@ -19,7 +19,7 @@ BodyLike = Any
 
 # Names of amplitude parameters in the C++ core, which treats the heights of a map like those of a profile.
 _CPP_MEASURE_NAMES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
-# Minimum height range (µm); its reciprocal is the maximum. In this range, fourth powers do not under- or overflow.
+# Minimum height range (µm), and reciprocal of the maximum: within both, fourth powers neither over- nor underflow.
 _MIN_BODY_HEIGHT_RANGE = 1e-50
 
 
@@ -94,7 +94,7 @@ class Surface(Body):
         return Profile(self.heights[index], spacing=self.spacing[axis], history=(*self.history, step), missing=mask)
 
     def with_amplitude(self, amplitude: float, measure: SurfaceAmplitudeMeasure = "height") -> Surface:
-        """Return a copy of the height map with zero mean and a given amplitude (µm), obtained by scaling the heights.
+        """Return a copy of the height map, scaled to zero mean and a given total height, Sa or Sq (µm).
 
         Parameters
         ----------

@@ -13,7 +13,7 @@ from stiction.surfaces.spectrum import RadialSpectrum, power_spectrum, surface_s
 from stiction.surfaces.surface import AnyBody, Surface, as_body, parse_shape, reject_flat_body
 
 _RINGS_PER_DECADE = 12
-# Weight of the smoothness penalty. In rings with fewer harmonics than this number, the penalty dominates the fit.
+# Weight of the smoothness penalty, which dominates the fit in rings with fewer harmonics than this number.
 _SMOOTHNESS_PENALTY = 2.0
 _DENSITY_ROUND_OFF_FRACTION = 1e-14
 # Maximum number of iterations in the fit of a surrogate's spectrum; about ten are usually enough.
@@ -92,7 +92,7 @@ def surrogate(
     if periodic:
         amplitude = np.abs(np.fft.rfft(heights))
     else:
-        # Mirroring avoids a jump between the ends but adds odd harmonics, whose power is split between both neighbours.
+        # Mirroring avoids a jump between the ends but adds odd harmonics: each even neighbour gets half of their power.
         mirrored_power = np.abs(np.fft.rfft(np.concatenate([heights, heights[::-1]]))) ** 2 / 2
         mirrored_power = np.append(mirrored_power, mirrored_power[-2])
         harmonic_indices = 2 * np.arange(points // 2 + 1)
@@ -234,7 +234,7 @@ def isotropic_surface(
     edges, density, _ = _fit_ring_densities(profile, periodic)
     q_y, q_x = (2 * math.pi * np.fft.fftfreq(points, profile.spacing) for points in (rows, columns))
     q = np.hypot(q_y[:, np.newaxis], q_x)
-    # Index 0 of `ring_index` stands for wavelengths longer than the profile.
+    # The ring index 0 stands for wavelengths longer than the profile.
     ring_index = np.searchsorted(edges, q, side="right")
     power = np.concatenate([[0.0], density, density[-1:]])[ring_index] * (rows * columns / profile.spacing**2)
     history_entry = f"an isotropic surface of its spectrum, seed {seed}, repetition {repetition}"
@@ -275,7 +275,7 @@ def _fit_ring_densities(profile: Profile, periodic: bool) -> tuple[Floats, Float
     measured_density = np.maximum(measured_density, _DENSITY_ROUND_OFF_FRACTION * measured_density.max())
     # A further ring covers the corners of the Fourier grid, where both wave numbers approach the Nyquist wave number.
     edges = np.append(edges, math.sqrt(2) * nyquist_wave_number * (1 + 1e-9))
-    # Mean spectral density of a line in each bin, for a surface whose density is 1 in one ring and 0 elsewhere.
+    # Mean spectral density of scan lines in each bin, for surfaces with the density 1 in one ring and 0 in all others.
     transverse_wave_number = np.minimum(
         np.sqrt(np.maximum(edges**2 - wave_number[:, np.newaxis] ** 2, 0)), nyquist_wave_number
     )

@@ -13,7 +13,7 @@ from stiction.surfaces.preparation import levelled
 from stiction.surfaces.profile import Profile, reject_missing_points
 from stiction.surfaces.surface import Surface, as_body
 
-# Maximum gap at a point that the tip touches, relative to the height range or, if larger, the largest |height|.
+# A tip touches a point if the gap is at most this fraction of the height range or, if larger, of the maximum |height|.
 _TIP_CONTACT_TOLERANCE = 1e-9
 
 

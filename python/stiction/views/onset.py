@@ -15,8 +15,9 @@ from stiction.views.point import coordinate_text
 if TYPE_CHECKING:
     from stiction.study.study import Study
 
-# Tangential load at which results are quoted, and load amplitudes of cycles, as fractions of the sliding load.
+# Tangential load at which results are quoted, as a fraction of the sliding load.
 QUOTED_TANGENTIAL_LOAD_FRACTION = 0.5
+# Amplitudes of the tangential load in cyclic loading, as fractions of the sliding load.
 CYCLE_AMPLITUDES = (0.5, 0.9)
 
 

@@ -52,7 +52,7 @@ def overview_text(
 
 OUTSIDE_MODEL_NOTE = "* outside the model: more than half of the load is on overlaps > R/10, or on radii < spacing"
 
-# Maximum number of rows of an overview: to limit the rows, only some mu0 and tau0 are shown.
+# Maximum number of rows in an overview: if there are more, the rows of only some mu0 and tau0 are shown.
 MAX_OVERVIEW_ROWS = 40
 
 

@@ -97,7 +97,7 @@ def _list_printed_quantities(point: PointSummary, *, verbose: bool, is_sentence:
     """
     has_area_fraction = "contact_area_fraction" in point.quantities and not math.isnan(point.nominal_pressure)
     is_hidden = {
-        # A sentence leaves out the mean pressure, because it follows from load and area.
+        # Sentences omit the mean pressure, because the reader can compute it from load and area.
         "mean_pressure": is_sentence,
         "contact_area": has_area_fraction and not verbose, "contact_area_fraction": not has_area_fraction,
         **dict.fromkeys(("closure", "closure_stiffness"), not (verbose or point.study.is_gap)),

@@ -41,7 +41,7 @@ MAX_YIELDED_LOAD_FRACTION = 0.5
 MAX_INITIAL_AREA_FRACTION = 0.5
 # Largest peak friction coefficient that Barton and Choubey (1977) recommend for use in design.
 MAX_DESIGN_PEAK_COEFFICIENT = math.tan(math.radians(70))
-# Registered faces get a caveat if the rms gap exceeds both multiples: of its noise, and of Z2 · sampling interval.
+# Registered faces get a caveat if both ratios exceed these limits: rms gap / its noise, and rms gap / (Z2 · spacing).
 MAX_GAP_NOISE_RATIO, MIN_GAP_TO_HEIGHT_CHANGE_RATIO = 3.0, 0.01
 MIN_FIT_CORRELATION = 0.5
 

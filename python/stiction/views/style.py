@@ -43,7 +43,7 @@ MATPLOTLIB_STYLE: dict[Any, Any] = {
     # A constant salt for the hashes in SVG files makes the files of equal figures identical.
     "svg.hashsalt": "stiction",
     "axes.unicode_minus": True,
-    # With these settings, `Figure.set_layout_engine` does not create the layout engine that a user's settings demand.
+    # Without these settings, `Figure.set_layout_engine(None)` would create the layout engine of a user's own settings.
     "figure.autolayout": False,
     "figure.constrained_layout.use": False,
 }
@@ -216,7 +216,7 @@ def render_figure(figure: Figure, file_format: str) -> bytes:
     with mpl.rc_context(MATPLOTLIB_STYLE):
         if file_format == "png":
             write_png(figure, content, dpi=figure.dpi, metadata=metadata[file_format])
-            # Removing the layout engine keeps the axes at their place, as `place_axes` does.
+            # Without a layout engine, the axes keep their positions when the figure is drawn again.
             figure.set_layout_engine(None)
         else:
             place_axes(figure)

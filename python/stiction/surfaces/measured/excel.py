@@ -18,7 +18,7 @@ from stiction.surfaces.measured.sheet_table import _find_numeric_columns, parse_
 
 # Maximum number of XML tags in a workbook: four tags for each of 2.5 million heights.
 MAX_WORKBOOK_TAGS = 10_000_000
-# Maximum number of XML tags per row, eight for each of 16 384 possible columns, which limits the required memory.
+# Maximum number of XML tags in a row of cells, which limits the memory use: eight for each of 16 384 columns.
 MAX_TAGS_PER_ROW = 8 * 16_384
 _UNEVALUATED_FORMULA_TEXT = "unevaluated formula"
 _UNEVALUATED_FORMULA_PATTERN = re.compile(
@@ -118,7 +118,7 @@ def _check_archive(data: bytes) -> bool:
         remaining_bytes, tag_count = MAX_TEXT_BYTES, 0
         for name in archive.namelist():
             end_of_chunk = b""
-            # The number of tags before the first row is not limited: a workbook also contains files without rows.
+            # Tags before the first row of cells are not limited, because some XML files of a workbook have no such row.
             tags_in_row = -math.inf
             for chunk in read_member_chunks(archive, name, remaining_bytes):
                 remaining_bytes -= len(chunk)
@@ -136,7 +136,7 @@ def _check_archive(data: bytes) -> bool:
 
 def _read_rows(sheet: Any) -> list[tuple[Any, ...]]:
     """Return the rows of a sheet up to the last row that is not empty."""
-    # The dimensions that the file declares for a sheet may be wrong.
+    # A workbook may declare wrong numbers of rows and columns for a sheet.
     sheet.reset_dimensions()
     rows = [tuple(row) for row in sheet.iter_rows(values_only=True)]
     while rows and all(cell is None for cell in rows[-1]):

@@ -14,7 +14,7 @@ EXACT_POSITION_TOLERANCE = 1e-3
 MAX_GRID_OFFSET = 0.05  # grid steps
 MAX_NODES_PER_POINT = 4
 MIN_STEP_OF_ROUNDED_POSITIONS = 2.0
-# Maximum deviation of positions from a grid, in units of the last digit: 1 from rounding, 0.2 from the fitted step.
+# Maximum range of position errors on a grid, in units of the last digit: 1 from rounding, 0.2 from the fitted step.
 MAX_SCATTER_DIGITS = 1.2
 # The smallest gap between grid points must be at least this many times the largest gap that rounding causes.
 MIN_GRID_GAP_RATIO = 4.0

@@ -65,7 +65,7 @@ class ReadOptions:
     codes: tuple[float, ...] = ()  # in the unit of the file
     words: tuple[str, ...] = ()
     accept: tuple[str, ...] = ()
-    # True if the caller specifies one unit: for heights, and for positions unless the file declares their unit.
+    # True if the caller gives a single unit: for heights, and for positions if the file declares no unit for them.
     one_unit: bool = False
 
 
@@ -546,7 +546,7 @@ def _determine_profile_spacing(
 
 
 def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[FileCaveat]:
-    """Return a caveat if the first or last height equals the user's spacing, because it may be the spacing itself."""
+    """Return a caveat if the first or last height equals the given spacing: the number may be the spacing."""
     if given is None or raw.positions is not None or any(caveat.name == "first-number" for caveat in raw.caveats):
         return []
     end_numbers = {"first": float(raw.heights[0])}

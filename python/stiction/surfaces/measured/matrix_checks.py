@@ -25,7 +25,7 @@ MAX_STATISTIC_LINES = 6
 MAX_STATISTIC_DEVIATION = 2e-3
 MAX_WRAPPED_COLUMNS = 32
 MIN_WRAPPED_LINES = 3
-# A matrix gets a caveat about a wrapped profile unless it is more than this many times as likely to be a map.
+# Unless a map is more than this many times as likely as a wrapped profile, a matrix gets a caveat about wrapping.
 MAX_LIKELIHOOD_RATIO = 100.0
 # The search for wrapped profiles ignores heights at more than this many median deviations from the median height.
 MAX_DEVIATION_IN_LINES = 8.0
@@ -154,7 +154,7 @@ def _find_statistics(values: Floats) -> str | None:
     for axis, line_kind in ((0, "row"), (1, "column")):
         lines = values if axis == 0 else values.T
         for side, ordered_lines in (("last", lines), ("first", lines[::-1])):
-            # A few columns are checked first, and all columns only if these agree: few matrices contain statistics.
+            # Few matrices contain lines of statistics, so all columns are checked only if a few columns contain one.
             sample = np.linspace(0, lines.shape[1] - 1, min(8, lines.shape[1])).astype(int)
             for count in range(1, min(MAX_STATISTIC_LINES, lines.shape[0] - 4) + 1):
                 name = _find_statistic_name(ordered_lines[:, sample], count)

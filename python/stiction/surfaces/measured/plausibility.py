@@ -30,12 +30,12 @@ MIN_CODE_TO_MEDIAN_DEVIATION_RATIO = 3.0
 MAX_SAMPLED_HEIGHTS = 65_536
 MIN_COMPARED_HEIGHTS = 20
 NUM_NEIGHBOURS = 12
-# Let m be the median frequency of similar heights.
-# A height is unusually frequent if it occurs at least MIN_REPEAT_RATIO · m + MIN_REPEAT_DEVIATIONS · sqrt(m) times.
+# A height is too frequent if its count is at least a · m + b · √m, with these a and b and the usual count m.
+# The usual count m of a height is the median count of the `NUM_NEIGHBOURS` next lower and next higher heights.
 MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
 MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4
-# Let m be the frequency of heights near 0: the largest mean frequency of the nearest 1, 3 or 12 heights on each side.
-# Zeros are unusually frequent if they occur at least 2 m + MIN_ZERO_DEVIATIONS · sqrt(2 m) + MIN_ZEROS times.
+# Zeros are too frequent if their count is at least 2 m + a · √(2 m) + b, with these a and b and the usual count m.
+# The usual count m of heights near 0 is the largest mean count of the nearest 1, 3 or 12 heights on each side of 0.
 MIN_ZERO_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
 # If a larger fraction of the rows of a map are repeated, the map is probably a profile that was extended along y.
 MAX_REPEATED_ROWS = 0.9

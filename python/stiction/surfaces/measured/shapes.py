@@ -54,7 +54,7 @@ MAX_SELECTED_PROFILE_COLUMNS = 3  # x, y and z
 MIN_JITTERED_POSITIONS = 8
 MAX_RELATIVE_STEP_DEVIATION = 0.5
 MIN_TILT_CORRELATION = 0.98
-# The first number of a column gets a caveat if it has n - 2 decimals or less, and this many numbers below it have n.
+# A column's first number gets a caveat if it has at least two decimals fewer than each of this many next numbers.
 MIN_COMPARED_NUMBERS = 20
 # Minimum step of evenly spaced numbers, in units of the last digit. Smaller rounded steps may be equal by chance.
 MIN_STEP_IN_LAST_DIGITS = 3.0
@@ -683,7 +683,7 @@ def _first_line_has_positions(lines: Floats, digits: Callable[[], Floats] | None
     steps = np.diff(first_line[1:])
     if np.ptp(steps) > MAX_RELATIVE_STEP_DEVIATION * abs(steps.mean()) or not ((steps > 0).all() or (steps < 0).all()):
         return False
-    # Positions with jitter change steadily only in the first line, but heights of a tilted surface do so in every line.
+    # Positions with jitter change steadily only in the first line; heights of a tilted surface change so in all lines.
     return any(_correlate_with_index(other_line) < MIN_TILT_CORRELATION for other_line in other_lines)
 
 

@@ -20,14 +20,14 @@ from stiction.surfaces.measured.raw import MAX_TEXT_BYTES, FormatError
 WAVE_NUMBER_COLUMN, DENSITY_COLUMN, WAVE_COUNT_COLUMN = "wave number (1/um)", "C2D (um4)", "waves"
 """Column names of a spectrum file. Tables from other programs need not have the last column."""
 
-# Prefixes of two columns per scan: its fraction of the wave vectors, and the ratio of its density to the joined one.
+# Prefixes of two columns per scan: the scan's fraction of wave vectors, and its density divided by the joined density.
 WAVE_VECTOR_FRACTION_COLUMN_PREFIX, DENSITY_RATIO_COLUMN_PREFIX = "fraction of ", "power over the joined of "
 _SCAN_LINE_PATTERN = re.compile(
     r"# scan: (?P<name>.+), from (?P<shortest>\S+) to (?P<longest>\S+) um, ended by (?P<reason>.+)"
 )
 _HASH_LINE_PATTERN = re.compile(r"^#.*\n?", re.MULTILINE)
 _NUM_BYTES_WITH_COLUMN_NAMES = 100_000
-# Rounding in a spectrum file may change ln(ratio of successive wave numbers) by this fraction of its mean.
+# Spectrum files contain rounded wave numbers, so ln(ratio of successive ones) may vary by this fraction of its mean.
 _RATIO_TOLERANCE = 1e-3
 
 

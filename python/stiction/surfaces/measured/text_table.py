@@ -42,11 +42,11 @@ MAX_HISTORY_ENTRY_CHARACTERS = 1000
 MAX_HISTORY_STEPS = 1000
 
 
-# Maximum number of lines of numbers above a table, and below it: 2, plus this fraction of the lines of the table.
+# Above a table, and again below it, 2 lines of numbers are allowed, plus this fraction of the table's line count.
 MAX_FOOTER_FRACTION = 0.1
 
 
-# The last number of a file counts as cut off if this many numbers above it have an equal, larger number of decimals.
+# A file's last number counts as cut off if this many numbers above it all have the same, larger number of decimals.
 MIN_ROWS_ABOVE_CUT_NUMBER = 50
 
 

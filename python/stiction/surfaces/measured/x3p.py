@@ -34,7 +34,7 @@ _XML_NUMBER_PATTERN = re.compile(
 )
 """Regular expression for numbers in XML Schema, which have ASCII digits and no underscores."""
 
-# Maximum size (bytes) and maximum number of XML elements of main.xml, not counting the points that the file lists.
+# Maximum size (bytes) of main.xml, and maximum number of its XML elements, not counting points listed in main.xml.
 _MAX_MAIN_XML_BYTES = 4_000_000
 _MAX_XML_ELEMENTS = 100_000
 _MAX_BYTES_PER_POINT = 200

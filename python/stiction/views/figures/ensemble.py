@@ -48,7 +48,7 @@ MIN_FADED_INTERVAL_WIDTH, FULLY_FADED_INTERVAL_WIDTH, MAX_FADING = 0.3, 1.2, 0.8
 """Relative interval widths at which the fading of a chart cell begins and ends, and the strongest fading."""
 
 CURVE_LABEL_SPACING = 2.4  # mm
-# Bands of intervals are drawn only up to this multiple of the largest mean.
+# Interval bands extend a vertical axis at most to this multiple of the largest mean value.
 MAX_DRAWN_BAND_RATIO = 2.0
 HEADING_HEIGHT = 4.0  # mm
 MAX_LEGEND_COLUMNS = 4
@@ -300,7 +300,7 @@ def _hatch_cells(axes: Axes, x: Floats, y: Floats, is_hatched: NDArray[np.bool_]
         for colour, width in (("black", 0.7), ("white", 0.3)):
             patch = PathPatch(Path(vertices, codes), **_INVALID_CELL_STYLE | {"edgecolor": colour})
             patch.set_hatch_linewidth(width)
-            # `add_patch` would be slow, because it computes axis limits from all cells.
+            # `add_patch` would compute the axis limits from all cells, which is slow.
             axes.add_artist(patch)
 
 

@@ -192,7 +192,7 @@ def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: Resolu
             linewidth=0.8,
         )
     if limits.shortest:
-        # The band of unresolved wavelengths ends below the first point, which may be the shortest resolved wavelength.
+        # If the first point is at the shortest resolved wavelength, the band of unresolved ones must not cover it.
         longest_unresolved = 0.97 * min(limits.shortest, x.min())
         for axes in (friction_axes, area_axes):
             axes.axvspan(1e-9, longest_unresolved, color="0.9", linewidth=0, zorder=-2, label="not resolved")
