@@ -216,7 +216,7 @@ def test_virtual_environment_is_reused_only_by_the_python_version_that_created_i
         ((3, 9), True, (3, 10), False),
     ],
 )
-def test_dev_continues_once_with_the_python_of_the_distribution_if_it_is_faster_or_needed(
+def test_dev_script_restarts_itself_once_if_the_python_of_the_linux_distribution_is_faster_or_required(
     dev_script, tmp_path, monkeypatch, running_version, is_optimized, distribution_version, continues
 ):
     distribution_python = tmp_path / "python3"

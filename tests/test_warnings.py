@@ -62,7 +62,7 @@ def test_warning_refers_to_the_line_that_calls_the_package(tmp_path, issue_warni
 
 
 @pytest.mark.filterwarnings("error")
-def test_calibration_and_pair_issue_no_unit_warning_about_a_fitted_tau0():
+def test_fitted_tau0_causes_no_unit_warning_in_calibration_or_pair():
     options = {"load": "20 MPa", "effective_modulus": "3 GPa", "shifts": 2, "onset": 0}
     tested_pair = pair(*create_maps(), **options, mu0=0.2)
     law = calibrate([FrictionTest(tested_pair, "20 MPa", coefficient=2.0, uncertainty=0.1)], mu0=0.1)

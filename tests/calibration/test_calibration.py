@@ -294,7 +294,7 @@ def test_range_of_a_hardness_that_is_exact_in_the_tests_applies_in_full_and_has_
 
 
 @pytest.mark.parametrize(("tested_load", "direction"), [("20 MPa", "low"), ("400 MPa", "high")])
-def test_size_effect_of_a_tested_pair_has_a_caveat_only_at_other_loads_than_those_of_the_tests(
+def test_size_effect_of_a_tested_pair_has_a_caveat_only_at_loads_that_differ_from_the_test_loads(
     tested_load, direction, tmp_path
 ) -> None:
     options = PAIR_OPTIONS | {"hardness": "0.5 GPa", "yield_exponent": 1.15, "load": "20 MPa, 400 MPa"}
@@ -591,7 +591,7 @@ def test_interface_file_without_scores_keeps_the_correlation_of_mu0_and_tau0_wit
     assert [low, high] == pytest.approx(expected, abs=0.1 * np.ptp(expected))
 
 
-def test_pair_with_an_interface_calibrated_on_it_has_no_further_errors_of_its_contact_area(tmp_path) -> None:
+def test_uncertainty_budget_of_a_tested_pair_lists_the_interface_but_no_contact_area_errors(tmp_path) -> None:
     options = PAIR_OPTIONS | {"hardness": "2 GPa ± 10 %"}
     tested_pair = pair(*rough_surface_pair(0.03), **options)
     tests = [FrictionTest(tested_pair, load, coefficient=0.25, uncertainty=0.004) for load in ("20 MPa", "50 MPa")]

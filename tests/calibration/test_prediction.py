@@ -273,7 +273,7 @@ def test_prediction_interval_does_not_widen_if_tests_of_the_same_pair_are_added(
     assert widths[-1] < widths[0]
 
 
-def test_planned_tests_of_a_pair_neither_remove_the_common_error_nor_ignore_the_present_tests() -> None:
+def test_planned_tests_of_a_pair_keep_the_common_error_and_are_combined_with_the_existing_tests() -> None:
     result, widths, planned_widths = press_pair(TESTED_RMS), {}, {}
     for common in (0.0, 0.05):
         tests = [FrictionTest(result, "20 MPa", coefficient=0.25, uncertainty=0.005) for _ in range(4)]

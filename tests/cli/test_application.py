@@ -70,13 +70,13 @@ def test_exhausted_system_resource_is_reported_without_traceback(tmp_path, monke
 
 
 @pytest.mark.parametrize("workers", [1, 2])
-def test_compiled_core_without_a_needed_function_is_reported_as_unfit(tmp_path, monkeypatch, workers):
+def test_compiled_core_that_lacks_a_required_function_is_reported_as_unfit(tmp_path, monkeypatch, workers):
     monkeypatch.delattr("stiction._core.press_profile_batches")
     completed = call_stiction("run", "quick", *SMALL_STUDY_OPTIONS, "--workers", workers, cwd=tmp_path)
     assert_rejected(completed, "stiction: the compiled part of stiction (_core) does not fit its Python files: build")
 
 
-def test_compiled_core_without_a_needed_name_of_an_import_is_reported_as_unfit(monkeypatch, capsys):
+def test_compiled_core_that_lacks_an_imported_name_is_reported_as_unfit(monkeypatch, capsys):
     def import_missing_name(**_):
         from stiction._core import missing_name  # noqa: F401
 

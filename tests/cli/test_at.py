@@ -232,13 +232,15 @@ def test_error_of_the_at_command_names_the_rejected_option(results_directory, ar
     assert_rejected(call_stiction("at", *arguments, cwd=results_directory), *expected_words)
 
 
-def test_range_for_the_at_command_is_rejected_with_a_command_that_quotes_the_directory(results_directory, tmp_path):
+def test_at_command_rejects_a_range_and_prints_a_run_command_with_the_directory_in_quotes(results_directory, tmp_path):
     shutil.copytree(results_directory / "maps", tmp_path / "two words")
     rejected = call_stiction("at", "two words", "--mu0", "0.1..0.2", cwd=tmp_path)
     assert_rejected(rejected, """stiction run 'two words' --set 'friction.mu0="0.1..0.2"'""")
 
 
-def test_range_for_a_pair_with_a_friction_law_is_rejected_without_a_command_that_drops_the_law(results_directory):
+def test_at_command_rejects_a_range_for_a_pair_with_a_friction_law_without_suggesting_to_drop_the_law(
+    results_directory,
+):
     law, maps = "MoS2 on bearing steel, dry air", PAIR_ARGUMENTS["maps"]
     index = maps.index("--mu0")
     arguments = (*maps[:index], *maps[index + 4 :], "--interface", law, "--output", "with_law")

@@ -188,7 +188,9 @@ def test_shear_test_interrupted_while_computing_intervals_resumes_with_identical
     )
 
 
-def test_shear_test_does_not_resume_from_steps_that_another_version_of_its_module_stored(tmp_path, monkeypatch):
+def test_shear_test_does_not_reuse_steps_stored_by_another_version_of_the_module_that_computes_steps(
+    tmp_path, monkeypatch
+):
     monkeypatch.setattr(members_in_progress, "STORAGE_INTERVAL", -1.0)
     options = {"path": "0.5 mm", "steps": 4, "mu0": 0.6, "directory": tmp_path / "test"} | LOAD_AND_ELASTICITY
     with pytest.raises(KeyboardInterrupt):
@@ -203,7 +205,7 @@ def test_shear_test_does_not_resume_from_steps_that_another_version_of_its_modul
     assert list((tmp_path / "test/in_progress").iterdir()) == [steps_directory]
 
 
-def test_shear_test_does_not_resume_from_steps_with_other_limits_of_an_uncertain_input(tmp_path, monkeypatch):
+def test_shear_test_does_not_reuse_stored_steps_if_the_limits_of_an_uncertain_input_have_changed(tmp_path, monkeypatch):
     monkeypatch.setattr(members_in_progress, "STORAGE_INTERVAL", -1.0)
     options = {"path": "0.2 mm", "steps": 2, "mu0": 0.6, "hardness": "150..250 MPa", **LOAD_AND_ELASTICITY}
     options |= {"strips": 0, "directory": tmp_path / "test"}

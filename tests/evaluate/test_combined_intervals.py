@@ -162,7 +162,7 @@ def test_uncertain_tau0_widens_only_the_interval_of_the_contact_area_at_the_onse
     assert widened_intervals["contact_area"][1:] == pytest.approx([12.0, 12.0])
 
 
-def test_dwell_time_reduces_the_hardness_by_each_sample_of_the_creep_exponent():
+def test_coefficient_after_dwell_is_computed_with_the_hardness_for_each_sample_of_the_creep_exponent():
     changes = {"friction.wait": ["1 h"], "friction.creep": "uniform 0.01 .. 0.05", "contact.junction_growth": None}
     intervals = build_intervals(changes, hardness=1.0, tau0=0.1, area=0.5, half_width=1e-6, sliding="opposing")
     value, lower, upper = intervals.friction_after_dwell(3600.0)

@@ -102,7 +102,7 @@ def test_friction_map_has_an_interval_if_only_some_pairs_reach_the_load():
     assert table["lower"].values[0] < table["friction_coefficient"].values[0] < table["upper"].values[0]
 
 
-def test_friction_map_intervals_are_not_negative():
+def test_lower_limits_of_friction_map_intervals_are_not_negative():
     random = np.random.default_rng(4)
     for _ in range(50):
         normal = np.exp(2 * random.standard_normal((3, 1))) * [[1.0, 2.0, 3.0]]

@@ -75,7 +75,7 @@ class TestContactCandidates:
         assert (contact_candidates.radii[:, 0] == contact_candidates.radii[:, 1]).all()
         assert not contact_candidates.gap.flags.writeable
 
-    def test_press_function_rejects_options_that_differ_from_the_search_for_the_candidates(self, rough_profiles):
+    def test_press_function_rejects_options_that_differ_from_those_of_the_candidate_search(self, rough_profiles):
         contact_candidates = candidates(*rough_profiles, deepest=0.03)
         with pytest.raises(
             ValueError, match=r"approach must be at most 0.03 µm, the limit of the candidates, got 0.04 µm"

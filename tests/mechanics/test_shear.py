@@ -297,7 +297,7 @@ def test_limits_of_the_shear_peak_interval_are_the_peaks_at_the_lowest_and_highe
     assert result.attrs["uncertain_inputs"] == "the hardness"
 
 
-def test_shear_interval_for_two_uncertain_moduli_lies_between_curves_at_their_limits():
+def test_shear_interval_for_two_uncertain_moduli_lies_between_results_for_the_range_limits():
     options = {"path": "50 um", "steps": 1, "mu0": 0.6, "effective_modulus": None, "poisson": 0.25}
     result = run_shear_test(create_rough_map(), young="10..40 GPa", boundary="periodic", **options)
     coefficient_at_lower_limit, coefficient_at_upper_limit = (
@@ -748,7 +748,7 @@ def test_bandis_law_is_undefined_if_closures_do_not_approach_a_maximum():
     assert np.isnan(fit_bandis_law(pressure, 0 * pressure).misfit)
 
 
-def test_closure_at_the_start_follows_from_the_gap_and_is_zero_for_a_perfect_fit():
+def test_closure_before_shear_follows_from_the_gap_and_is_zero_for_a_perfect_fit():
     face = create_rough_map()
     noise = np.random.default_rng(1).normal(0, 0.5, face.heights.shape)
     rough_mate = create_mate(face).changed(create_mate(face).heights + noise, "noise")

@@ -38,7 +38,7 @@ def test_contact_forces_in_a_figure_equal_forces_returned_by_the_contacts_functi
     assert float((forces["upper_height"] - forces["lower_height"]).min()) == pytest.approx(-0.02)
 
 
-def test_contact_opposes_motion_in_directions_in_which_its_mean_slope_rises():
+def test_contact_opposes_motion_in_directions_of_positive_mean_slope():
     slopes = {"contact_slope_x": [0.2, -0.2, -0.1], "contact_slope_y": [0.1, 0.1, -0.3]}
     picture = xarray.Dataset({name: ("contact", values) for name, values in slopes.items()})
     expected_masks = {0.0: [1, 0, 0], 90.0: [1, 1, 0], 180.0: [0, 1, 1], 225.0: [0, 1, 1], 270.0: [0, 0, 1]}

@@ -84,7 +84,7 @@ def test_contact_area_has_a_yielding_caveat_if_the_mean_pressure_is_near_half_th
 
 
 @pytest.mark.parametrize(("load_fraction_at_hardness", "has_caveat"), [(0.0, True), (0.9, False)])
-def test_roughness_drift_has_a_caveat_unless_plastic_contacts_carry_most_of_the_load(
+def test_drift_of_the_rms_slope_along_a_scan_has_a_caveat_unless_yielded_contacts_carry_most_of_the_load(
     load_fraction_at_hardness, has_caveat
 ):
     dataset = measured_result(all_contacts=0.4, load_share_at_hardness=load_fraction_at_hardness)

@@ -99,7 +99,7 @@ class TestMapPairs:
             MapPairs(create_surface((20, 64)), create_surface((20, 64))).pair(0)
 
 
-def test_isotropic_surfaces_from_two_profiles_have_three_quarters_of_the_shorter_length():
+def test_sides_of_isotropic_surfaces_from_two_profiles_are_three_quarters_of_the_shorter_profile_length():
     first_surface, second_surface = (
         self_affine(1, hurst_exponent=0.8, rms=0.05, points=points, spacing=spacing, side=side)
         for points, spacing, side in ((200, 0.02, "upper"), (300, 0.01, "lower"))

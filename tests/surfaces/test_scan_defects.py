@@ -222,7 +222,7 @@ def test_spikes_but_not_scratches_are_found_in_scratched_and_honed_profiles(buil
     assert min(num_found.values()) >= 27
 
 
-def test_outlier_only_a_few_rounding_steps_high_in_a_flat_profile_is_not_a_spike():
+def test_outlier_of_a_few_rounding_steps_in_a_flat_profile_is_not_a_spike():
     rng = np.random.default_rng(0)
     steps = np.where(rng.random(2000) < 0.05, rng.choice([-1.0, 1.0, 2.0], 2000), 0.0)
     for height, num_spikes in ((4.0, 0), (8.0, 1)):

@@ -356,7 +356,7 @@ def build_table_with_changed_stiffness(result, loads, start, changed_load, stati
 
 
 @pytest.mark.parametrize(("statistics", "number"), [(["lower", "upper"], np.nan), (["mean", "lower", "upper"], np.inf)])
-def test_closure_has_an_interval_unless_the_stiffness_between_its_pressure_and_the_start_is_unknown(
+def test_closure_has_no_interval_at_and_beyond_a_load_whose_stiffness_has_no_interval(
     result, table, statistics, number
 ):
     loads = [row.load for row in table.rows]
