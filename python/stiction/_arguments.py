@@ -13,7 +13,7 @@ from stiction._units import Quantity, quantity, quantity_in_core_units, short_re
 
 
 def split_values(value: Any) -> list[Any]:
-    """Split a text, or every text in a list, at its commas, and return all items as one flat list.
+    """Split a text, or each text in a list, at the commas, and return all parts in one flat list.
 
     A text is split at its commas. A one-dimensional list is returned with its texts split. Any other argument is the
     only item.
@@ -52,7 +52,7 @@ def parse_quantity(name: str, value: Any, kind: str) -> Quantity:
 
 
 def parse_quantities(name: str, value: Any, kind: str) -> list[Quantity]:
-    """Parse one or more quantities from an argument; `kind` names the quantity, such as "pressure"."""
+    """Parse one or more quantities of the kind `kind`, such as "pressure", from an argument."""
     reject_decimal_commas(name, value)
     return [parse_quantity(name, item, kind) for item in _split_required_values(name, value)]
 
@@ -75,7 +75,7 @@ def split_texts(name: str, value: Any) -> Any:
 
 
 def convert_friction_parameters(mu0: Any, tau0: Any) -> tuple[Any, Any]:
-    """Convert mu0 and tau0 (GPa) that are given as texts to numbers; return numbers and None unchanged."""
+    """Convert mu0 and tau0 (GPa) from texts to numbers. Return arguments that are numbers or None unchanged."""
     return (
         parse_coefficients("mu0", mu0) if contains_text(mu0) else mu0,
         to_core_units("tau0", split_texts("tau0", tau0), "pressure"),
@@ -141,7 +141,7 @@ def validate_nonnegative_values(name: str, values: list[Any], argument: Any) -> 
 
 
 def parse_load(name: str, value: Any, *, or_zero: bool = False) -> tuple[Quantity, bool]:
-    """Parse a load. Return the load, and True if it is a pressure or False if it is a force.
+    """Parse a load. Return it with a flag that is True for a pressure and False for a force.
 
     A number without a unit is a force in mN. A pressure acts on the slider.
     The load must be above 0 or, if `or_zero` is True, at least 0.

@@ -44,7 +44,7 @@ def draw_surface(ax: Axes, heights: Floats, spacing: tuple[float, float]) -> Axe
 
 
 def draw_spectrum(ax: Axes, harmonics: tuple[Floats, Floats], bins: tuple[Floats, Floats]) -> Axes:
-    """Draw a power spectral density on logarithmic axes: a curve over all harmonics, and a curve of bin means."""
+    """Draw a power spectral density on logarithmic axes: one curve of all harmonics, and one of means over bins."""
     wave_number, density = harmonics
     is_positive = density > 0
     if not is_positive.any():
@@ -80,7 +80,7 @@ def draw_scan_comparison(ax: Axes, comparison: Any) -> Axes:
 
 
 def add_scale_bar(ax: Axes, box: tuple[float, float, float, float], **style: Any) -> None:
-    """Draw a scale bar in the lower right corner of a map; the length of the bar is a round number.
+    """Draw a scale bar with a round length in the lower right corner of a map.
 
     `box` contains the edges of the map's image (µm).
     """
@@ -114,7 +114,7 @@ def map_extent(
 
 
 def wave_number_to_wavelength(wave_number: Any) -> Any:
-    """Convert wave numbers (1/µm) to wavelengths (µm) by λ = 2π/q; the same formula converts wavelengths back."""
+    """Convert wave numbers q (1/µm) to wavelengths λ (µm) by λ = 2π/q, or wavelengths to wave numbers."""
     with np.errstate(divide="ignore"):
         return 2 * math.pi / np.asarray(wave_number, dtype=np.float64)
 

@@ -1,4 +1,4 @@
-"""Exceptions for invalid arguments and failed solvers; detection of a compiled core that lacks needed names."""
+"""Exceptions for invalid arguments and failed solvers, and a check for an incompatible compiled core."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ UNFIT_CORE_MESSAGE = (
 
 
 def is_caused_by_unfit_core(text: str) -> bool:
-    """Return whether an error message shows that the compiled core lacks a name that the package needs.
+    """Return whether an error message shows that the compiled core lacks a function or class that the package needs.
 
     Only the text is reliable, because an error from a worker process lacks the attributes that name the module.
     """

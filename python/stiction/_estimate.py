@@ -134,7 +134,7 @@ class Estimate:
         return self.in_unit(name, factor)
 
     def to_record(self, at: Mapping[str, Any] | None = None) -> dict[str, Any]:
-        """Return the estimate as a JSON object; the field "at" contains the given coordinates, such as the load."""
+        """Return the estimate as a JSON object, with the given coordinates, such as the load, in the field "at"."""
         return {
             "name": self.name, "value": float(self.value), "unit": to_file_unit(self.unit),
             "lower": float(self.lower), "upper": float(self.upper), "kind": self.kind, "at": dict(at or {}),
@@ -215,7 +215,7 @@ def extend_intervals(own: ArrayLike, *others: ArrayLike) -> Floats:
 def count_estimate_decimals(
     value: Floats, lower: Floats, upper: Floats, *, digits: int
 ) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
-    """Return the numbers of decimals to print, in two arrays: for values with their lower limits, and for upper limits.
+    """Return how many decimals to print: one array for values and lower limits, and one array for upper limits.
 
     The first array is for values and lower limits, the second array for upper limits. The number of decimals is
     negative for numbers that are rounded to tens or more. The second array contains `DECIMALS_CODE_OF_NO_INTERVAL` if

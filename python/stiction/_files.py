@@ -156,7 +156,7 @@ class DirectoryClaim:
                 self.file.unlink(missing_ok=True)
 
     def acquire(self) -> None:
-        """Create the file that claims the directory, which must exist, and refresh the file at regular intervals."""
+        """Create the lock file in the directory, and refresh it at regular intervals. The directory must exist."""
         self.file.touch()
         if self._refresh_thread is None:
             self._refresh_thread = threading.Thread(target=self._refresh_regularly, daemon=True)
@@ -169,7 +169,7 @@ class DirectoryClaim:
                 self.file.touch()
 
     def find_other_claim(self) -> Path | None:
-        """Return the claim file of another active run in the same directory.
+        """Return the lock file of another active run in the same directory.
 
         Returns None if no other run is active in the directory.
 
@@ -277,5 +277,5 @@ def _open_nonblocking(path: str, flags: int) -> int:
 
 
 def describe_os_error(error: OSError) -> str:
-    """Return the reason that an `OSError` states, without the file name, which may be that of a temporary file."""
+    """Return the reason stated in an `OSError`, but not the file name, because the file may be temporary."""
     return os.strerror(error.errno) if error.errno else str(error)

@@ -28,7 +28,7 @@ MIN_WITHOUT_EXPONENT, MAX_WITHOUT_EXPONENT = 1e-6, 1e6
 
 
 def format_significant(value: float, digits: int = 2) -> str:
-    """Format a number with `digits` significant digits. Numbers below 1e-6, or from 1e6 on, get an exponent."""
+    """Format a number with `digits` significant digits; use an exponent below 1e-6 and from 1e6 upwards."""
     if math.isnan(value):
         return "none"
     text = f"{value:.{digits}g}"
@@ -94,7 +94,7 @@ def list_number_formats(kind: str) -> tuple[NumberFormat, ...]:
 
 
 def format_number(value: float, kind: str) -> str:
-    """Format a number in the format that suits its size; `kind`, such as "percent", selects the list of formats."""
+    """Format a number of the given kind, such as "percent", in the format that suits its size."""
     return _choose_item_by_size(value, list_number_formats(kind)).format(value)
 
 
@@ -115,7 +115,7 @@ def format_percent(fraction: float) -> str:
 
 
 def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
-    """Choose a prefixed unit, such as nm or mm, that suits the size of a number; return conversion factor and unit.
+    """Choose a prefixed unit, such as nm or mm, that suits the size of a number. Return factor and unit.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
 
 
 def _choose_item_by_size(value: float, items: Sequence[_Item]) -> _Item:
-    """Return the first item whose minimum `item[0]` is at most the absolute value of a number, after rounding.
+    """Return the first item for which the ratio of abs(`value`) to the minimum `item[0]` rounds to at least 1.
 
     0 and NaN count as 1.
     """

@@ -80,7 +80,7 @@ def format_number_and_unit(value: float, unit: str) -> tuple[str, str]:
 
 
 def format_with_unit(value: float, unit: str) -> str:
-    """Format a number with four significant digits and its unit; convert numbers below 0.1 to a smaller unit."""
+    """Format a number with four significant digits and a unit, which is a smaller unit for numbers below 0.1."""
     return " ".join(format_number_and_unit(float(value), unit)).strip()
 
 

@@ -53,7 +53,7 @@ class Quantity(float):
     text: str
 
     def __new__(cls, value: float, text: str) -> Quantity:
-        """Create a quantity from a number in core units and its text."""
+        """Create a quantity from a number in core units and its text, such as "200 MPa"."""
         quantity = super().__new__(cls, value)
         quantity.text = text
         return quantity

@@ -347,7 +347,7 @@ def _warn_about_other_steps(directory: Path, key: str) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _ShearTestSetup:
-    """Shear test at the central inputs, and the tests at other inputs that are needed for its intervals."""
+    """Simulated shear test at the central inputs, and the simulations at other inputs that its intervals require."""
 
     box: ShearBox
     offsets: NDArray[np.int64]
@@ -360,7 +360,7 @@ class _ShearTestSetup:
 
     @cached_property
     def interface_attributes(self) -> dict[str, str]:
-        """Dataset attributes: the sliding rule of a calibrated interface, and its caveats as text."""
+        """Dataset attributes that state the sliding rule and the caveats of a calibrated interface."""
         if self.strength is None:
             return {}
         caveats = find_interface_caveats(self.strength, self.interface_name, self.inputs)
@@ -381,7 +381,7 @@ def _build_shear_test_setup(
 
 
 def _cut_strips(box: ShearBox, offsets: NDArray[np.int64], strips: Any) -> list[ShearBox]:
-    """Cut the faces of a shear test into strips, and return one test per strip; reject an impossible strip count."""
+    """Cut the faces of a shear test into strips, and return one test per strip. Reject an impossible strip count."""
     if strips is None:
         boxes = box.cut_strips(offsets)
         return boxes if len(boxes) >= MIN_STRIPS else []

@@ -1,4 +1,4 @@
-"""Computation of what a result directory lacks: members and, for a measured pair, further results.
+"""Computation of the members and, for a measured pair, the further results that a result directory lacks.
 
 The contacts of a typical member and the onset of sliding are companion files. The cutoff study and the alternative
 preparations of the scans are companion studies, each in a subdirectory.
@@ -125,7 +125,7 @@ def complete_result(
     print_remark: LinePrintFunction = _ignore_line, announce: LinePrintFunction = _ignore_line,
     show_result: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
-    """Compute the missing members in a study's directory, or one part of them, and return the result.
+    """Compute the missing members, or one part of them, in the directory of a study, and return the result.
 
     If no part is given, the companion results are computed too.
 
@@ -197,7 +197,7 @@ def complete_result(
 
 
 def _import_result_packages() -> None:
-    """Import the packages that store and evaluate the result; the workers compute in the meantime."""
+    """Import the packages that store and evaluate the result, while the workers compute members."""
     import_dataset_packages()
     import scipy.fft
     import scipy.special  # noqa: F401
@@ -224,7 +224,7 @@ def _print_time_if_long(print_remark: LinePrintFunction, task: str, seconds: flo
 def _compute_alternatives(
     stored_result: StoredResult, executor: Executor, *, progress: bool, print_remark: LinePrintFunction
 ) -> None:
-    """Compute the pair for alternative preparations of its scans. The combined interval covers these results.
+    """Compute the pair for alternative preparations of its scans, which widen the combined interval of the pair.
 
     If an alternative cannot be computed, the pair keeps its result, and a remark states the reason.
     """
@@ -247,7 +247,7 @@ def _compute_alternatives(
 
 
 def _write_companion_file(stored_result: StoredResult, name: str, compute: Callable[[], Any]) -> None:
-    """Compute and write a file stored alongside the result. Write nothing if `compute` returns None.
+    """Compute a file and write it alongside the result, unless `compute` returns None.
 
     Nothing is written, either, if a scan file is missing.
     """
@@ -296,7 +296,7 @@ def compute_companion_files(
 
 
 def _write_onset_table(result: Result, onset: xarray.Dataset) -> None:
-    """Write a table of the onset of sliding for the result's friction coefficient, if the table is not up to date."""
+    """Write a table of the onset of sliding, scaled to the result's friction coefficient, unless it is up to date."""
     scaled_onset = result.scale_onset(onset)
     if scaled_onset is None or result.path is None:
         return

@@ -231,7 +231,7 @@ class JobQueue:
             task.add_done_callback(_print_unexpected_error)
 
         def show_values(record: str) -> None:
-            """Send the coefficients of a finished result to the page. The figures are drawn later, which may fail."""
+            """Send the coefficients of a finished result to the page before the figures of the result are drawn."""
             monitor_task.cancel()
             job.activity = "drawing"
             job.show_result(_read_shown_values(job, record), None)
@@ -357,7 +357,7 @@ def _read_shear_test(record: str) -> dict[str, Any]:
 
 
 def _read_reported_point(record: str) -> dict[str, Any]:
-    """Return the first entry marked as reported in a pair's JSON record: the results at one load, mu0 and tau0.
+    """Return the results of a pair at one load, mu0 and tau0: the first entry marked as reported in a JSON record.
 
     If the record has no result points, its remark is raised as an error.
     """

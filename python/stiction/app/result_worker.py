@@ -20,7 +20,7 @@ from stiction.views.rows import point_record, summary_json
 
 
 def load_preview_study(files: list[Path], options: list[tuple[str, str]]) -> Study | None:
-    """Return the study for the app's quick preview of a pair, which uses the asperity model.
+    """Return the study with which the app previews the result of a pair, using the asperity model.
 
     Returns None if there is no preview.
     """

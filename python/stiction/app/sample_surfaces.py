@@ -29,7 +29,7 @@ def write_sample_surfaces(directory: Path) -> list[Path]:
 
 
 def draw_profiles(changes: Any) -> str:
-    """Draw two generated profiles in first contact as SVG; `changes` alters settings of the built-in study `quick`."""
+    """Draw two generated profiles in first contact as SVG, from the built-in study `quick` with changed settings."""
     study = Study.named("quick").with_changes(changes)
     surfaces: Any = study.surfaces
     upper, lower = next(

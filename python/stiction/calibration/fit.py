@@ -106,7 +106,7 @@ class _ProbabilityGrid:
 
 
 class CalibrationProblem:
-    """Fit of mu0 and tau0 to friction tests. Each test gives one linear equation, with uncertain coefficients.
+    """Fit of mu0 and tau0 to friction tests, each of which gives a linear equation with uncertain coefficients.
 
     In each equation, a mu0 + b tau0 equals the right side, where a and b are the coefficients of the equation.
 
@@ -219,7 +219,7 @@ class CalibrationProblem:
         )
 
     def _compute_run_offset_vectors(self, central_coefficients: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Return how the friction offset of each test run shifts the residuals: direction (unit vector) and size.
+        """Return the shift of the residuals by the friction offset of each test run, as a unit vector and a size.
 
         The unit vectors have the shape (runs, tests). The norms, with the shape (runs,), are in units of the errors.
         Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would bias
@@ -250,7 +250,7 @@ class CalibrationProblem:
         return float(np.average(area_per_load, weights=self._weights_of_tests))
 
     def compute_area_per_load_variation(self, area_per_load: Floats) -> float:
-        """Return the weighted relative standard deviation of true area per load over tests in which the pair slid."""
+        """Return the relative standard deviation of true area per load, weighted over tests in which the pair slid."""
         mean = self.average_over_tests(area_per_load)
         variance = np.average((area_per_load - mean) ** 2, weights=self._weights_of_tests)
         return float(np.sqrt(variance) / mean)
@@ -348,7 +348,7 @@ class CalibrationProblem:
             return strength
 
         def residuals_with_growth(points: Floats) -> Floats:
-            """Return the weighted residuals of the friction tests, with junction growth, for each set of parameters."""
+            """Return the weighted residuals of friction tests with junction growth, one row per set of parameters."""
             mu0, tau0 = np.transpose([to_strengths(x) for x in points])
             scales = np.full(len(points), error_scale)
             misfit, _ = self._compute_residuals(
@@ -487,7 +487,7 @@ class CalibrationProblem:
         return replace(fit, fits_at_bounds=fits_at_bounds)
 
     def _with_fixed_strengths(self, strengths: tuple[float | None, float | None]) -> CalibrationProblem:
-        """Return a copy of the problem with fixed mu0 and tau0 (GPa); a parameter that is None is fitted."""
+        """Return a copy of the problem in which mu0 and tau0 (GPa), unless None, are fixed to the given numbers."""
         problem = copy.copy(self)
         # The cached best fit was computed with other fixed mu0 and tau0, so it is removed.
         problem.__dict__.pop("best_fit", None)
@@ -500,7 +500,7 @@ class CalibrationProblem:
         return np.asarray(tau0_coefficient / mu0_coefficient)
 
     def _find_median_area_per_load(self, samples: Floats) -> Floats:
-        """Return the true area per load (1/GPa) of each test. If contacts grow, it is the median of `samples`.
+        """Return the true area per load (1/GPa) of each test: the median of `samples` if shear enlarges the contacts.
 
         Without growing contacts, A/F at the central inputs is returned. With friction at opposing contacts only, the
         friction of these contacts is higher than the measured coefficient, for which `area_per_load` is computed. The
@@ -513,7 +513,7 @@ class CalibrationProblem:
 
     @cached_property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth factor α of the tests; None if α differs between tests or has no effect on any test.
+        """Junction growth factor α of the tests, or None if α differs between tests or has no effect on any test.
 
         α is 0 if no test includes junction growth, although junction growth would affect at least one test.
         """
@@ -730,7 +730,7 @@ class CalibrationProblem:
     def _choose_mu0_grid_at_tau0(
         self, limits: _GridLimits, point: Any, row: Any, tau0: Floats
     ) -> tuple[Floats, Floats]:
-        """Return the smallest mu0 in the grid, and the width of a grid cell along mu0, for each given tau0."""
+        """Return, for each given tau0, the smallest mu0 in its grid and the width of the grid cells along mu0."""
         if self.fixed_strengths[0] is not None:
             return np.full(tau0.shape, self.fixed_strengths[0]), np.zeros(tau0.shape)
         if limits.best_mu0 is None:
@@ -937,7 +937,7 @@ def _build_run_membership_matrix(tests: Sequence[FrictionTest]) -> Floats:
 def _solve_nonnegative_least_squares(
     rows: Floats, weight: Floats, fixed_strengths: Sequence[float | None]
 ) -> tuple[float, float]:
-    """Fit mu0 and tau0 (GPa), both nonnegative, to weighted test equations. A fixed mu0 or tau0 stays as it is."""
+    """Fit nonnegative mu0 and tau0 (GPa) to weighted test equations. If one of them is fixed, fit only the other."""
     from scipy.optimize import lsq_linear
 
     is_free = [value is None for value in fixed_strengths]
@@ -969,7 +969,7 @@ def _compute_triangular_factors(rows: Floats) -> Floats:
 
 
 def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: float) -> tuple[Floats, Floats]:
-    """Return the limits of tau0 (GPa) outside which the probability is negligible, even with the best mu0."""
+    """Return limits of tau0 (GPa) outside which the probability is negligible, even at the best-fitting mu0."""
     first_row, second_row = triangular_factors[:, 0], triangular_factors[:, 1]
     # At mu0 = 0, -2 ln(density) is a quadratic function of tau0, and `curvature` is the coefficient of tau0².
     curvature = second_row[:, 1] ** 2 + first_row[:, 1] ** 2

@@ -176,7 +176,7 @@ class _FrictionTestSums:
 
 @dataclass(frozen=True)
 class _BallAreaFactor(AreaFactor):
-    """Ratio of the contact area at the onset of sliding to the Hertz area at the central E*, for a test with a ball.
+    """Ratio of contact area at the onset of sliding to Hertz area (at the central E*), for a friction test with a ball.
 
     The contact area of a ball is proportional to E*^(-2/3).
     """
@@ -186,13 +186,13 @@ class _BallAreaFactor(AreaFactor):
 
     @classmethod
     def from_ball(cls, ball: Ball) -> _BallAreaFactor:
-        """Create the area factor (ratio of true to computed contact area) of a friction test with a ball."""
+        """Create the area factor (ratio of true to computed contact area) for a friction test with a ball."""
         loss = ball.lost_fraction
         inputs = ball.moduli.all_inputs | {"area_loss": loss.estimate}
         return cls(inputs, f"ball {ball.radius:g}", ball.moduli, float(loss))
 
     def onset_area_and_friction_factors(self, samples: Mapping[str, Floats], law: FrictionLaw) -> tuple[Floats, Floats]:
-        """Return true area / Hertz area at the onset of sliding, and 1 as the ratio of friction to mu0 F + tau0 A."""
+        """Return two ratios at the onset of sliding: true area / Hertz area, and 1 for friction / (mu0 F + tau0 A)."""
         area = np.asarray(self.moduli.relative_modulus(samples)) ** (-2 / 3)
         return area * (1 - samples.get("area_loss", np.asarray(self.area_loss))), np.ones(())
 
@@ -208,7 +208,7 @@ class _AreaFactorFromResult(AreaFactor):
 
     @classmethod
     def from_result(cls, result: Any, load: float, wait: float) -> AreaFactor:
-        """Create the area factor (ratio of true to computed contact area) of a friction test of a computed pair."""
+        """Create the area factor (ratio of true to computed contact area) for a friction test on a computed pair."""
         sums = MemberSums.of(result)
         study_inputs = Inputs.from_study(sums.study)
         creep = study_inputs.estimate("creep")
@@ -358,7 +358,7 @@ class FrictionTest:
 
     @cached_property
     def area_factor(self) -> AreaFactor:
-        """Ratio of the true contact area in the test to the computed area. It is 1 if the test names a load curve."""
+        """Ratio of the true contact area in the test to the computed area; 1 if the test refers to a load curve."""
         if isinstance(self.result, Ball):
             return _BallAreaFactor.from_ball(self.result)
         if isinstance(self.result, FrictionCurve):
@@ -441,7 +441,7 @@ def evaluate_test_sums(test: FrictionTest, sliding: SlidingRule) -> _FrictionTes
 
 
 def _interpolate_sums_per_load(curve: FrictionCurve, load: float) -> _FrictionTestSums:
-    """Interpolate the contact forces and areas at a load (mN), as sums over contacts divided by that load.
+    """Return the interpolated contact forces and areas at a load (mN), summed over contacts and divided by the load.
 
     The load is that at the same approach without friction.
     """

@@ -21,7 +21,7 @@ Residuals are infinite at seizure.
 
 
 def find_best_mu0(residuals: ResidualFunction, start: Floats, tau0: Floats) -> tuple[Floats, Floats, Floats]:
-    """Find the nonnegative mu0 that best fits the friction tests for each given tau0, by the Gauss-Newton method.
+    """Find the nonnegative mu0 that best fits the friction tests at each given tau0, by the Gauss-Newton method.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ BALL_LOAD_RANGE = 100.0
 
 
 class PlannedTests(NamedTuple):
-    """Text of a plan of friction tests, and the 95 % interval of a pair's coefficient expected after these tests."""
+    """Plan of friction tests: its text, and the 95 % interval of a pair's coefficient expected after these tests."""
 
     text: str
     coefficient: ValueWithLimits
@@ -48,7 +48,7 @@ class PlanConditions(NamedTuple):
 
 
 def find_plan_conditions(interface: Interface, hardness: float = math.nan) -> PlanConditions:
-    """Return the number of further friction tests and the other assumptions that `plan_tests` makes about them.
+    """Return the assumptions of `plan_tests` about further friction tests, such as the number of tests.
 
     `hardness` is the hardness (GPa) of the wanted pair. NaN stands for the hardness of the present tests.
     """
@@ -71,7 +71,7 @@ def find_plan_conditions(interface: Interface, hardness: float = math.nan) -> Pl
 
 
 def _compute_areas_per_load_of_ball_tests(area_per_load: float, count: int, hardness: float) -> Floats:
-    """Return the true area per load A/F (1/GPa) in each further test of a ball, in the order of decreasing loads.
+    """Return the true area per load A/F (1/GPa) in each planned test of a ball, sorted by decreasing load.
 
     The ball does not yield at the highest load, if the hardness (GPa) is not NaN. For a ball (Hertz), A/F is
     proportional to F^(-1/3). μ0 and τ0 need a second A/F, so a single test has the highest load or, if the ball would
@@ -193,7 +193,7 @@ def _limit_to_interval(planned: ValueWithLimits, present: ValueWithLimits) -> Va
 
 
 def _reweight(fit: StrengthFit, areas_per_load: Floats, expected: Floats, error: Floats) -> StrengthFit:
-    """Resample mu0 and tau0, weighted by the likelihood of the results expected from planned friction tests.
+    """Resample the samples of mu0 and tau0 by the likelihood of the results expected from planned friction tests.
 
     The planned tests have the given true areas per load (1/GPa), expected coefficients and standard errors.
     """

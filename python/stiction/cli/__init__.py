@@ -58,7 +58,7 @@ def main() -> None:
 
 
 def _redirect_closed_streams() -> None:
-    """Redirect closed standard streams to the null device, so that no file opened later takes their place."""
+    """Redirect closed standard streams to the null device, so that files opened later do not replace the streams."""
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         try:
             os.fstat(number)

@@ -64,7 +64,7 @@ def report_interruption(detail: str = "") -> typer.Exit:
 
 
 def show_status(text: str) -> None:
-    """Show what the command is doing in a line on the terminal, which the next message overwrites."""
+    """Show what the command is doing. The text appears in a terminal line that the next message overwrites."""
     if is_stderr_terminal():
         line = f"stiction: {printable_text(text, MAX_QUOTED_LINE_LENGTH)}"[: shutil.get_terminal_size().columns - 1]
         _clear_line(f"{line}\r")
@@ -165,7 +165,7 @@ def option_was_given(context: typer.Context, name: str) -> bool:
 
 
 class _CommandWithHelpPanels(TyperCommand):
-    """Command whose help lists the options in panels, without their types and ranges."""
+    """Command whose help lists the options in panels, but not the types and ranges of the options."""
 
     common: Collection[str] = ()
 

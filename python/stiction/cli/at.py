@@ -189,7 +189,7 @@ def _reject_range(name: str, text: str | None, directory: Path, study: Study) ->
 
 
 def _is_range(name: str, text: str) -> bool:
-    """Return whether the text for mu0 or tau0 is a range or has an uncertainty; False if the text is invalid."""
+    """Return whether the text for mu0 or tau0 is valid, and is a range or has an uncertainty."""
     from stiction.study.input_distributions import parse_study_input
 
     try:

@@ -1,4 +1,4 @@
-"""Computation of a study in an output directory, with messages on the progress, for the commands that need it."""
+"""Computation of a study in an output directory, with progress messages."""
 
 from __future__ import annotations
 

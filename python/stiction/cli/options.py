@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 def option(
     flags: str, description: str, default: str | bool = True, *, panel: str | None = None, minimum: int | None = None
 ) -> Any:
-    """Declare an option of a command with typer.
+    """Declare a command-line option for typer.
 
     `flags` contains the names of the option and, unless it is a switch, a placeholder for its value, as in "--output -o
     DIR". `default` is the text that is shown as default value, or a bool that determines whether the actual default is

@@ -228,7 +228,7 @@ def compute_preview_line(study: Study) -> str:
 
 
 def submit_preview(study: Study | None, executor: Executor) -> None:
-    """If standard error is a terminal, compute a preview of the coefficient in a worker, and print the preview.
+    """Compute a preview of the coefficient in a worker and print it, if standard error is a terminal.
 
     Nothing is computed if `study` is None.
     """

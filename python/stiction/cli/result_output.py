@@ -61,7 +61,7 @@ def print_pair_values(result: Result, *, verbose: bool = False) -> None:
 
 
 def print_resolution_and_onset(result: Result, *, verbose: bool = False) -> None:
-    """Print a pair's onset of sliding and, if `verbose`, its cutoff study. Without a coefficient, print nothing."""
+    """Print a pair's onset of sliding and, if `verbose`, its cutoff study; nothing if the pair has no coefficient."""
     if text := resolution_and_onset_text(_summarize(result), verbose=verbose):
         print_output(text)
 
@@ -78,7 +78,7 @@ def print_result_json(result: Result, command: str, **fields: Any) -> None:
 
 
 def _summarize(result: Result) -> Summary:
-    """Return the summary of a result. The summary has no result points if the result has no coefficient.
+    """Return the summary of a result. If the result has no coefficient, the summary contains only the reason.
 
     If `Result.summary` raises a `ValueError`, the summary has no points, and `no_points_reason` contains the message.
     """

@@ -225,7 +225,7 @@ def _compute_joint(
     result: Result, directory: Path, workers: int | None, loads: list[float] | None, closure_from: str | None,
     card_load: float | None,
 ) -> Result:  # fmt: skip
-    """Compute the stored pair again at the loads (mN) that its joint table requires.
+    """Recompute a stored pair at the loads (mN) that a finite-element model of its joint requires.
 
     These are `loads`, or else the loads of a full table, with `card_load` and the load of `closure_from`.
 

@@ -55,7 +55,7 @@ def compute_contact_forces(result: MemberSums) -> xarray.Dataset | None:
 def build_contact_forces(
     upper: Profile, lower: Profile, approach: float, *, mu0: float, tau0: float = 0.0, **contact: Any
 ) -> xarray.Dataset:
-    """Compute the force of each contact on the upper of two profiles, at a given approach (µm).
+    """Compute the force that each contact exerts on the upper of two profiles, at a given approach (µm).
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def _find_first_touching_pair(result: MemberSums) -> _ProfilePairAtApproach | No
 
 
 def _generate_middle_pair(result: MemberSums) -> _ProfilePairAtApproach | None:
-    """Return the first generated pair at the middle fractal dimension, and the approach (µm) shown in figures.
+    """Return the first pair generated with the middle fractal dimension, and the approach (µm) that figures show.
 
     The approach is the median of the approaches at which at least one pair touches. Returns None if no pair touches.
     """

@@ -1,4 +1,4 @@
-"""Contact map of a typical member, for storage with a result; tables of the contacts of any member.
+"""Contact map of a typical member, for storage with a result, and tables of the contacts of any member.
 
 A result stores only sums over contacts, so the contact of each selected member is computed again.
 """
@@ -235,7 +235,7 @@ def _build_map_picture_dataset(solution: PressedPair, table: ContactList) -> xar
 
 
 def _build_disc_map(lower: Surface, table: ContactList) -> NDArray[Any]:
-    """Return a map that shows each contact as a disc of equal area at its position; pixels contain contact numbers."""
+    """Return a map of contact numbers in which each contact is a disc of equal area at its position."""
     contact_numbers, (dy, dx) = np.zeros(lower.heights.shape, np.int32), lower.spacing
     for number, (x, y, radius) in enumerate(zip(table.x, table.y, np.sqrt(table.area / np.pi), strict=True), 1):
         first_indices, last_indices = (
@@ -303,7 +303,7 @@ def _validate_member_indices(members: int | Sequence[int], available: list[int])
 def _select_members_at_loads(
     areas: xarray.DataArray, loads: Floats, indices: list[int] | None
 ) -> Iterator[tuple[float, int]]:
-    """Yield pairs of a load (mN) and a member: all selected members, or the most typical member if none is selected."""
+    """Yield each load (mN) with every selected member or, if none is selected, with the most typical member."""
     for load in loads.tolist():
         if indices is not None:
             yield from ((load, index) for index in indices)

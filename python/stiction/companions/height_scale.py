@@ -153,7 +153,7 @@ def _find_enclosing_powers_of_two(low: float, high: float) -> Floats:
 
 
 def find_missing_factors(factors: Floats, solved_factors: Floats) -> Floats:
-    """Return the height factors to compute before friction can be interpolated at all requested height factors.
+    """Return the height factors that must be computed before friction can be interpolated at all requested factors.
 
     These are the requested factors that cannot be interpolated or, if they are fewer, the powers of 2 that enclose
     those factors.
@@ -204,14 +204,14 @@ def scale_study_heights(study: Study, factor: float, scaled: ScaledBodies) -> St
 
 
 def find_factor_study(study: Study, path: Path, factor: float, scaled: ScaledBodies) -> CompanionStudy:
-    """Return the study of a pair with scaled heights of the chosen bodies, and the directory of this study."""
+    """Return the study of a pair in which the heights of the chosen bodies are scaled, and the study's directory."""
     return CompanionStudy(
         scale_study_heights(study, factor, scaled), path / HEIGHT_SCALE_DIRECTORY / f"{scaled}-{factor:.6g}"
     )
 
 
 def open_results_by_factor(result: StoredResult, scaled: ScaledBodies) -> dict[float, MemberSums]:
-    """Open all finished results of a pair with scaled heights, and return them keyed by ascending height factor.
+    """Open all finished results of a pair with scaled heights, keyed by height factor in ascending order.
 
     The result of the unscaled pair is included as factor 1.
     """

@@ -206,7 +206,7 @@ The dataset of the onset stores the parameters as attributes, such as "iwan_chi"
 
 
 def _fit_presliding_models(onset: xarray.Dataset) -> dict[str, float]:
-    """Fit the Iwan and the LuGre model to the mean onset curve; return their parameters keyed by attribute name."""
+    """Fit the Iwan and the LuGre model to the mean onset curve, and return their parameters by attribute name."""
     curve = onset.sel(statistic="mean")
     displacement, load = (np.asarray(curve[name].values) for name in ("displacement", "tangential_load"))
     sliding_load = float(curve["sliding_load"])
@@ -471,7 +471,7 @@ def build_slip_map(pressed_pair: PressedPair, onset: Onset) -> DatasetVariables:
 
 
 def _find_block_minima(values: Floats, block_size: int) -> Floats:
-    """Return the minimum of each square block of a map; NaN is ignored unless the block contains nothing else."""
+    """Return the minimum of each square block of a map, ignoring NaN in blocks that also contain numbers."""
     rows, columns = (-(-size // block_size) * block_size for size in values.shape)
     padded_map = np.full((rows, columns), np.inf)
     padded_map[: values.shape[0], : values.shape[1]] = np.where(np.isnan(values), np.inf, values)

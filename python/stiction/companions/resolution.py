@@ -149,7 +149,7 @@ def evaluate_at_cutoffs(result: StoredResult) -> xarray.Dataset | None:
 
 @dataclass(frozen=True, eq=False)
 class ResolvedRoughness:
-    """Roughness of the gap over the wavelengths in the scans, and its extrapolation to shorter wavelengths."""
+    """Roughness of the gap at the wavelengths that the scans contain, and its extrapolation to shorter wavelengths."""
 
     # Shortest resolved wavelength (µm): the cutoff or two grid spacings, whichever is larger.
     shortest: float
@@ -166,7 +166,7 @@ class ResolvedRoughness:
         return float(self.roughness.fraction_below(2 * self.shortest))
 
     def find_yield_wavelength(self, ratio: float, contact_count: float) -> tuple[float, float, float]:
-        """Estimate the cutoff (µm) at which the elastic pressure is `ratio` times that at the scans' resolution.
+        """Estimate the cutoff (µm) at which the elastic pressure is `ratio` times the pressure without a cutoff.
 
         The scans contain all wavelengths from the shortest resolved one. Returns the cutoff with its lower and upper
         limit.
@@ -193,7 +193,7 @@ class ResolvedRoughness:
 
 
 def find_resolved_roughness(study: Study) -> ResolvedRoughness | None:
-    """Compute the roughness of the gap over the wavelengths in the scans, and extrapolate to shorter ones.
+    """Compute the roughness of the gap at the wavelengths that the scans contain, and extrapolate to shorter ones.
 
     Returns None if the bodies are generated or scan files are missing.
     """
@@ -241,7 +241,7 @@ def find_plastic_limit(point: xarray.Dataset, study: Study) -> tuple[float, floa
 
 @dataclass(frozen=True)
 class YieldWavelengthEstimate:
-    """Cutoff at which the mean pressure of elastic contacts equals a hardness, and friction of yielding contacts."""
+    """Cutoff below which elastic contacts would yield at a given hardness, and the friction of yielding contacts."""
 
     hardness: float
     # Cutoff (µm) below which elastic contacts would yield; NaN if the mean pressure stays below the hardness.
@@ -349,7 +349,7 @@ def estimate_yield_wavelengths(
 
 @dataclass(frozen=True, eq=False)
 class ResolutionLimits:
-    """Friction of a pair at several cutoffs for one load, mu0 and tau0, with the limits for finer scans.
+    """Friction coefficients of a pair at several cutoffs under one load, and limits of the coefficient for finer scans.
 
     Attributes
     ----------
@@ -405,7 +405,7 @@ def find_resolution_limits(points: xarray.Dataset, study: Study) -> ResolutionLi
 
 
 def _estimate_friction_from_spectra(dataset: xarray.Dataset, study: Study) -> xarray.Dataset | None:
-    """Estimate the friction of a pair without a contact solution, from the joined spectra of the scans.
+    """Estimate the friction of a pair from the joined spectra of its scans, without solving the contact.
 
     A joined spectrum combines several scans of a body.
 

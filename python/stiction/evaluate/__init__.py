@@ -1,1 +1,1 @@
-"""Evaluation of friction and other quantities with intervals. Inputs: forces and areas summed over contacts."""
+"""Evaluation of friction and other quantities, with intervals, from forces and areas summed over contacts."""

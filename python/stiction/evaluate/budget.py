@@ -103,7 +103,7 @@ def add_uncertainty(
 
 
 def evaluate_alternatives(result: MemberSums, at: xarray.Dataset) -> dict[AlternativeName, xarray.Dataset]:
-    """Evaluate friction again for other ways to prepare the scans, at every load, mu0 and tau0 of a dataset.
+    """Evaluate the friction for each alternative preparation of the scans, at every load, mu0 and tau0 of a dataset.
 
     The datasets of the last call are cached.
     """
@@ -163,7 +163,7 @@ def predict_coefficient(result: MemberSums, load: float, strength: InterfaceStre
 
 
 def _evaluate_with_interface_strength(result: MemberSums, load: float, strength: InterfaceStrength) -> Floats:
-    """Return a pair's friction coefficient and its combined interval, for a given interface strength and load (mN)."""
+    """Return a pair's friction coefficient at a load (mN) with its combined interval, from samples of mu0 and tau0."""
     fit, study = strength.fits[0], result.study
     mu0, tau0 = round_median_strength(strength)
     changes: dict[str, Any] = {"friction.interface": None, "friction.mu0": [mu0], "friction.tau0": [f"{tau0!r} GPa"]}
@@ -186,7 +186,7 @@ def _evaluate_with_interface_strength(result: MemberSums, load: float, strength:
 def _add_own_uncertainty(
     at: xarray.Dataset, result: MemberSums, *, budget: bool, tests: bool, strength: InterfaceStrength | None = None
 ) -> xarray.Dataset:
-    """Return a dataset with combined intervals and an uncertainty budget that ignore other preparations of the scans.
+    """Return a dataset with combined intervals and uncertainty budgets for the chosen preparation of the scans only.
 
     If given, `strength` replaces the interface of the study.
     """
@@ -331,7 +331,7 @@ def find_inputs_and_strengths(
 
 
 def _label_interface(study_inputs: Inputs, joint_samples: JointSamples) -> str:
-    """Return the label of an interface in the uncertainty budget. It names the inputs sampled with the interface."""
+    """Return the label of an interface in the uncertainty budget, with the inputs that are sampled together with it."""
     names = sorted(joint_samples.inputs, key=lambda name: name != "hardness")
     labels = [study_inputs.uncertain[name].label for name in names]
     if len(labels) > MAX_NAMED_SHARED_INPUTS:
@@ -340,7 +340,7 @@ def _label_interface(study_inputs: Inputs, joint_samples: JointSamples) -> str:
 
 
 def find_slope_drifts(attributes: Mapping[str, Any]) -> dict[str, float]:
-    """Estimate how much ln(rms slope of the gap) varies between places on a body, from the drift along its scan.
+    """Estimate the variation of ln(rms slope of the gap) between places on a body, from the drift along the scan.
 
     The keys name the body with a single scan: upper scans or lower scans. The slope at another place on a body is
     assumed to differ by as much as the slopes at the two ends of the scan.
@@ -352,7 +352,7 @@ def find_slope_drifts(attributes: Mapping[str, Any]) -> dict[str, float]:
 def _average_pairs_of_scans(
     result: MemberSums, at: xarray.Dataset, dims: Sequence[str]
 ) -> dict[tuple[int, ...], ScanPairMean | None]:
-    """Average each friction coefficient over all pairs of scans; return the means and their variance components.
+    """Average each friction coefficient over all pairs of scans, and return the means with their variance components.
 
     The components are the variances due to upper scans, lower scans and positions. The result is empty for a single
     pair of scans.
@@ -382,7 +382,7 @@ class _QuantitiesWithCombinedIntervals:
                 self.tables[name] = own_dims, arrange_axes(variable, own_dims).copy()
 
     def add_intervals(self, position: tuple[int, ...], intervals: CombinedIntervals) -> None:
-        """Store the combined intervals of all quantities for the coefficient with the array indices `position`."""
+        """Store the combined intervals of all quantities at the array indices `position` of a friction coefficient."""
         indices = dict(zip(self._dims, position, strict=True))
         estimates, positions = {}, {}
         for name, (dims, values) in self.tables.items():
@@ -488,7 +488,7 @@ def _find_budgeted_loads(is_study_load: NDArray[np.bool_], num_coefficients: int
 def _widen_intervals_to_alternatives(
     original: xarray.Dataset, alternatives: Mapping[AlternativeName, xarray.Dataset]
 ) -> xarray.Dataset:
-    """Widen intervals to include the intervals that result if the scans are prepared in other ways.
+    """Widen intervals to include the intervals for alternative preparations of the scans.
 
     The names of the alternatives become the attribute `alternatives`. The uncertainty budget gets one row per
     alternative: the interval that would remain without this alternative. Each other row is extended by the same row in

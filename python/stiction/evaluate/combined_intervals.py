@@ -160,7 +160,7 @@ class InputSampler:
     def draw_samples(
         self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
     ) -> _InputSamples:
-        """Return samples of the uncertainty sources in `names`; the samples are drawn on the first call, then cached.
+        """Return samples of the uncertainty sources in `names`, which are drawn on the first call and then cached.
 
         Inputs in `fixed` have the value at the given quantile.
         """
@@ -188,7 +188,7 @@ class InputSampler:
         return _get_cached(self._pressures, key, MAX_CACHED_PRESSURES, partial(response.yield_pressure, inputs))
 
     def find_closures(self, key: Any, response: ContactResponseToInputs, inputs: InputValues) -> Floats:
-        """Return the closures (µm) at the computed loads for each sample of the inputs.
+        """Return the closure of the gap (µm) at each computed load, for each sample of the inputs.
 
         The closures do not depend on mu0 and tau0. The closures of the last key are cached for other loads. Samples
         with the key None are evaluated every time.
@@ -331,7 +331,7 @@ class CombinedIntervals:
     # ---- Friction ----------------------------------------------------------------------------------------------------
 
     def estimate_zero_coefficient(self) -> tuple[float, float, float]:
-        """Return the friction coefficient and its 95 % limits if the coefficient is 0; otherwise, return NaN.
+        """Return the friction coefficient with its 95 % limits if the coefficient is 0, or NaN if it is not 0.
 
         Relative errors of such a coefficient are undefined. Therefore, the interval is computed from samples of mu0 and
         tau0. It contains the coefficient and the interval of its mean, and its lower limit is at least 0. The result is
@@ -353,7 +353,7 @@ class CombinedIntervals:
         return value, max(lower_limit, 0.0), upper_limit
 
     def interval(self, fixed: Mapping[str, float] = _NO_FIXED_INPUTS) -> Interval:
-        """Return the combined 95 % interval of the friction coefficient; inputs in `fixed` stay at given quantiles.
+        """Return the combined 95 % interval of the coefficient, with each input in `fixed` held at a given quantile.
 
         The interval contains the coefficient. Unless `fixed` contains these sources, it also contains the interval of
         the mean and the range of coefficients for finer scans.
@@ -368,7 +368,7 @@ class CombinedIntervals:
         return self._compute_sampled_interval(fixed).extended_to(*included_intervals)
 
     def remaining_interval_width(self, name: str) -> float:
-        """Return the width of the combined interval that would remain if the named input were exact.
+        """Return the width of the combined interval that would remain if the input `name` were exact.
 
         The width is a mean over quantiles at which the input is fixed. Widths are compared as differences of the
         friction angle, which stays finite if samples seize.
@@ -457,7 +457,7 @@ class CombinedIntervals:
     # ---- Other quantities --------------------------------------------------------------------------------------------
 
     def widen_quantity_intervals(self, estimates: Mapping[str, Floats]) -> dict[str, Floats]:
-        """Replace the intervals of contact quantities by wider ones that include the effect of uncertain inputs.
+        """Widen the intervals of contact quantities to include the effect of uncertain inputs.
 
         `estimates` contains the mean and the interval of the mean of each quantity, by name. An interval that cannot be
         computed stays an interval of the mean.
@@ -527,12 +527,12 @@ class CombinedIntervals:
 
     @property
     def _coverages(self) -> list[float]:
-        """Fraction of samples that each interval must contain, such as 0.95; one fraction per entry in `strengths`."""
+        """Fraction of samples, such as 0.95, that the interval for each entry in `strengths` must contain."""
         return [each.coverage for each in self.strengths] or [INTERVAL_COVERAGE]
 
     @property
     def _intervals_without_upper_limit(self) -> list[Interval]:
-        """List with the interval [value, ∞) if the central inputs give friction without an upper limit; else empty."""
+        """List with the interval [value, ∞) if friction at the central inputs has no upper limit; otherwise empty."""
         return [Interval(self.value, math.inf)] if self._central.has_no_upper_limit else []
 
     def _sample_all_strengths(
@@ -550,7 +550,7 @@ class CombinedIntervals:
     def _sample_friction(
         self, fixed: Mapping[str, float], dwell_time: float = 1.0, strength_index: int = 0, drift_factor: float = 1.0
     ) -> tuple[Floats, Floats]:
-        """Return samples of the friction coefficient and of its upper limit; the upper limit may be infinite.
+        """Return samples of the friction coefficient and of its upper limit, which may be infinite.
 
         `strength_index` selects an entry of `strengths`, if there are any. If unresolved roughness may change the
         coefficient, the samples are spread between the lowest and the highest coefficient for finer scans.
@@ -625,7 +625,7 @@ class CombinedIntervals:
     def _insert_interface_samples(
         self, inputs: InputValues, samples: _InputSamples, strength_index: int
     ) -> InputValues:
-        """Return a copy of the inputs with samples of the interface: mu0, tau0, and the inputs shared with its tests.
+        """Return a copy of the inputs with joint samples of mu0, tau0 and the inputs shared with the friction tests.
 
         The joint samples are sorted by the coefficient that they give, so quantiles of the joint samples are also
         quantiles of the coefficient.
@@ -731,7 +731,7 @@ def _select_quantile(probability: float, values: NDArray[Any]) -> float:
 
 
 def _interpolate_quantile(probability: float, values: NDArray[Any]) -> float:
-    """Return a quantile that is interpolated linearly between samples, which must be finite."""
+    """Return a quantile by linear interpolation between samples. The samples must be finite."""
     position = probability * (values.size - 1)
     index = int(position)
     weight = position - index
@@ -746,7 +746,7 @@ def _interpolate_quantile(probability: float, values: NDArray[Any]) -> float:
 
 
 def extend_percentiles(percentiles: Floats, other_percentiles: Iterable[Floats]) -> Floats:
-    """Widen the range of the percentiles of friction so that it contains all percentiles in `other_percentiles`.
+    """Lower the percentiles below the median, and raise those above it, to include all `other_percentiles`.
 
     The median, and missing percentiles, are kept. NaN in the other percentiles is ignored.
     """

@@ -29,7 +29,7 @@ NOT_COMPUTED_STATUSES = (STATUS_BELOW_RANGE, STATUS_NOT_REACHED, STATUS_NOT_SOLV
 
 
 def find_loads_without_values(result: MemberSums, values: xarray.Dataset) -> list[float]:
-    """Return the loads (mN) of a dataset that have no coefficient because they were not computed.
+    """Return the loads (mN) in a dataset that were not computed, and therefore have no coefficient.
 
     A computed load without a coefficient, for example because the contact is self-locked, is not returned. Neither is a
     negligible load on adhesive bodies, for which there is a pull-off force.
@@ -45,7 +45,7 @@ def find_loads_without_values(result: MemberSums, values: xarray.Dataset) -> lis
 
 
 def find_computed_load_range(result: MemberSums, values: xarray.Dataset | None = None) -> tuple[float, float]:
-    """Return the smallest and the largest computed load (mN) without friction, as means over the members.
+    """Return the smallest and the largest mean load (mN) over the members, computed without friction.
 
     If a selection from `Result.at` is given as `values`, only its cutoffs, or its dimensions D and amplitudes, are
     considered.

@@ -134,7 +134,7 @@ class AreaFunction:
     def _compute_area_at_pressure(
         self, pressure: Floats | None, load: ArrayLike, elastic_area: Floats, yield_exponent: ArrayLike | None
     ) -> Floats:
-        """Return the true area (µm²) of contacts that yield at `pressure` (GPa). None stands for elastic contacts."""
+        """Return the true area (µm²) of contacts that yield at `pressure` (GPa) or, if None, of elastic contacts."""
         if pressure is None:
             return elastic_area
         exponent = self.yield_exponent if yield_exponent is None else yield_exponent
@@ -321,7 +321,7 @@ def compute_exponents(loads: Floats, values: Floats) -> Floats:
 
 
 def compute_yield_factors(result: MemberSums) -> Floats | None:
-    """Return true area of yielding contacts / stored contact area, for each cutoff and each loading step.
+    """Return the ratio of the true area of yielding contacts to the stored area, for each cutoff and loading step.
 
     The stored area is that of contacts whose pressure is limited to the hardness. Returns None if both areas are equal,
     because the bodies are elastic or the result has no elastic areas.
@@ -336,7 +336,7 @@ def compute_yield_factors(result: MemberSums) -> Floats | None:
 
 
 def _compute_yield_factors_at(result: MemberSums, hardness: Floats) -> Floats:
-    """Return true area / stored area for contacts with a given hardness (GPa), per cutoff and loading step."""
+    """Return the ratio of true to stored area for contacts with a given hardness (GPa), per cutoff and loading step."""
     contact: Any = result.study.contact
     areas, loads = result.compute_once(_average_solved_areas), contact.loading_steps()
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -1,4 +1,4 @@
-"""Ensemble means at given loads. Friction is the mean tangential load divided by the mean normal load."""
+"""Ensemble means at given loads. The friction coefficient is the mean tangential load over the mean normal load."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def _evaluate_direction_groups(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, quantities: Sequence[str],
     groups: NDArray[np.intp] | None = None, *, includes_ratios: bool,
 ) -> dict[str, xarray.Dataset]:  # fmt: skip
-    """Average over the directions of motion in each group, and evaluate quantities at given mean normal loads.
+    """Evaluate quantities at given mean normal loads, averaged over the directions of motion in each group.
 
     The groups are direction indices with the shape (groups, directions). Without groups, no average is computed.
     """

@@ -101,7 +101,7 @@ class LoadCrossings:
         return cls(index, fraction, reached, ~reached & is_at_least_load[..., 0, :])
 
     def without_crossings_after_nan(self, curve: Floats, loads: Floats) -> LoadCrossings:
-        """Return a copy without crossings after a NaN in `curve`, unless `curve` equals the load at the crossing."""
+        """Return a copy without crossings right after a NaN in `curve`, unless `curve` equals the load there."""
         value_before, value_at_crossing = self._get_bracketing_values(curve)
         return replace(self, reached=self.reached & (np.isfinite(value_before) | (value_at_crossing == loads)))
 
@@ -150,7 +150,7 @@ class LoadCrossings:
         return self.scale[1]
 
     def interpolate_with_slopes(self, values: Floats, slopes: Floats) -> tuple[Floats, Floats]:
-        """Interpolate an increasing quantity and its derivative d/d ln(load) at the requested loads, with cubics.
+        """Interpolate an increasing quantity and its derivative by ln(load) at the requested loads, using cubics.
 
         The arrays have the shape (..., k), and the results have the shape (..., l). The crossings must have been found
         with `interpolates_ratio`. Between two loading steps, slopes are limited so that the cubic increases (Fritsch &
@@ -273,7 +273,7 @@ class MeansAtLoads:
         return self._arrange_over_loads(lower), self._arrange_over_loads(upper)
 
     def _interpolate_at_crossings(self, curves: Floats) -> Floats:
-        """Interpolate curves of a quantity linearly at the crossings with the requested loads."""
+        """Interpolate a quantity linearly at the crossings of load curves with requested loads."""
         values_after, values_before = (
             curves[self._curve, self._index],
             curves[self._curve, np.maximum(self._index - 1, 0)],
@@ -281,7 +281,7 @@ class MeansAtLoads:
         return np.asarray(values_before + self._fraction * (values_after - values_before))
 
     def _arrange_over_loads(self, values_at_crossings: Floats) -> Floats:
-        """Arrange one number per crossing in an array (curves, loads); NaN marks loads that a curve does not reach."""
+        """Arrange numbers at crossings in an array (curves, loads), with NaN at loads that a curve does not reach."""
         values_at_loads = np.full(self.crossing.reached.shape, np.nan)
         values_at_loads[self.crossing.reached] = values_at_crossings
         return values_at_loads
@@ -470,7 +470,7 @@ def average_correlated_values(values: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _compute_interval_of_correlated_mean(values: Floats, mean: Floats) -> tuple[Floats, Floats]:
-    """Return the limits of the interval of each row's mean; neighbouring numbers in a row may be correlated.
+    """Return the interval limits of the mean of each row, in which neighbouring numbers may be correlated.
 
     Returns NaN for rows of equal values.
 

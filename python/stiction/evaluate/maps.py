@@ -50,7 +50,7 @@ _SUM_NAMES_FOR_RATIOS = ("contact_area", "contact_load", *sorted(VALIDITY_RATIO_
 
 
 def _list_required_variables(quantity: str) -> tuple[str, ...]:
-    """Return the names of the stored variables from which the named quantity is computed."""
+    """Return the names of the stored variables from which a quantity is computed."""
     return _VARIABLES_BY_QUANTITY.get(quantity, tuple(dict.fromkeys((*_LOAD_VARIABLES, quantity))))
 
 
@@ -213,7 +213,7 @@ def stiffness_map(
 
 
 def find_cell_dimensions(dataset: xarray.Dataset) -> list[str]:
-    """Return the dimensions of a dataset that specify surfaces: fractal dimension and amplitude, or cutoff."""
+    """Return the dataset dimensions that distinguish surfaces: fractal dimension and amplitude, or cutoff."""
     return [name for name in MAP_CELL_DIMENSION_NAMES if name in dataset.dims]
 
 
@@ -228,7 +228,7 @@ def move_repetitions_last(variable: xarray.Variable, dims: Sequence[str]) -> NDA
 def iterate_solved_pieces(
     result: MemberSums, names: Iterable[str] | None = None, transform: DatasetTransformation | None = None
 ) -> Iterator[xarray.Dataset]:
-    """Yield groups of members, without those members for which the solver failed at any load."""
+    """Yield groups of members, without members for which the solver failed at any load."""
     for piece in iterate_pieces_with_true_areas(result, names):
         elastic_loads = piece.variables["normal_elastic"]
         is_solved = np.isfinite(
@@ -336,7 +336,7 @@ class _EnsembleQuantities:
     def compute_curves(
         self, cell: tuple[int, ...], sums: Sequence[ContactSums], selected_members: slice = slice(None)
     ) -> list[Floats]:
-        """Return the normal load (mN) and the named quantities at all loading steps, for selected members.
+        """Return the normal load (mN) and the other quantities at all loading steps, for the selected members.
 
         `cell` indexes sliding rule, direction and surfaces, and `sums` comes from `_compute_sums`. The first axis of
         each array runs over all pairs of mu0 and tau0.
@@ -366,7 +366,7 @@ class _EnsembleQuantities:
         status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
 
         def evaluate_cell(cell: tuple[int, ...], means: intervals.MeansAtLoads) -> dict[str, NDArray[Any]]:
-            """Store mean quantities for one surface kind, direction and sliding rule; return ratios of these means."""
+            """Store mean quantities for one surface kind, direction and sliding rule. Return ratios of these means."""
             for index, statistics in enumerate(estimates):
                 for array, curve_values in zip(statistics, (means.mean(index), *means.interval(index)), strict=True):
                     array[cell] = _reshape_curves(curve_values, self.shape)
@@ -437,7 +437,7 @@ def _reshape_curves(curve_table: NDArray[Any], shape: tuple[int, ...]) -> NDArra
 
 
 def _compute_sums(dataset: xarray.Dataset, names: Sequence[str], step_dimension: str) -> list[ContactSums]:
-    """Return forces and areas summed over the contacts of each member, and the sums needed for each named quantity.
+    """Return forces and areas summed over the contacts of each member, and further sums that the quantities require.
 
     The first axes of each sum are sliding rule and direction. If a quantity is stored directly, it replaces the area in
     the returned sums.
@@ -495,7 +495,7 @@ def _compute_quantity_values(sums: ContactSums, quantity: str, law: FrictionLaw)
 def _average_sums(
     pieces: Iterable[xarray.Dataset], names: Sequence[str], operand_names: Sequence[str], step_dimension: str
 ) -> tuple[list[ContactSums], dict[str, Floats], int]:
-    """Average over all members the forces and areas summed over contacts, and the operands of ratios.
+    """Average the forces and areas summed over contacts, and the operands of ratios, over all members.
 
     Returns averages of the sums, averages of the operands of ratios, and the number of members. The averages of the
     sums have an axis of length 1 for the members.

@@ -40,7 +40,7 @@ The sum of areas exceeds the nominal area if asperities overlap.
 
 @dataclass(frozen=True, eq=False)
 class AdjacentLoadValues:
-    """Quantities of all members at two computed loads: the next below and the next above each requested load.
+    """Quantities of all members at the two computed loads next to each requested load, one below and one above.
 
     The position of a requested load is a fraction of the distance in ln F; it is 0 at a computed load.
     """
@@ -247,7 +247,7 @@ def _average_compliances(
 
 
 def _include_ratio_error(means: Floats, ratio_error: Floats) -> Floats:
-    """Widen the intervals of mean stiffnesses to include the error of a ratio by which stiffnesses were estimated.
+    """Widen intervals of mean stiffnesses by the error of the ratio from which missing stiffnesses were estimated.
 
     Both half widths are combined in quadrature, as logarithms where the interval is positive.
     """
@@ -323,7 +323,7 @@ def include_interpolation_error(
 
 
 def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
-    """For each friction coefficient, combine the statuses of all members (first axis) into one status.
+    """Combine the statuses of all members (first axis) into one status for each friction coefficient.
 
     The combined status has a coefficient if the status of any member has one. Otherwise, it is the most frequent
     status. The statuses with a coefficient are "ok" and "bulk-shear", whose coefficient is a lower limit.
@@ -338,7 +338,7 @@ def _find_common_statuses(statuses: NDArray[Any]) -> NDArray[Any]:
 
 
 def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tuple[NDArray[Any], Floats]:
-    """Return a contact status for each true area fraction, and the fractions after values above 1 are replaced.
+    """Return the contact status for each true area fraction, and the fractions with values above 1 replaced.
 
     Half-space fractions above 1 become 1. In the asperity model, they become NaN. The fractions have the shape (...,
     3).
@@ -354,7 +354,7 @@ def _classify_area_fractions(fraction: Floats, *, uses_half_space: bool) -> tupl
 
 
 def _remove_negative_means(means: Floats, is_removed: NDArray[np.bool_]) -> Floats:
-    """Replace means and limits by NaN where `is_removed` is True. Replace negative means, due to round-off, by 0.
+    """Replace means and limits by NaN where `is_removed` is True, and negative means from round-off by 0.
 
     The last axis contains mean, lower limit and upper limit.
     """
@@ -364,7 +364,7 @@ def _remove_negative_means(means: Floats, is_removed: NDArray[np.bool_]) -> Floa
 
 
 def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Dataset) -> Floats:
-    """If mu0 = tau0 = 0, replace mean coefficients that consist only of round-off by exact zeros.
+    """Replace mean coefficients that consist only of round-off by exact zeros, if mu0 = tau0 = 0.
 
     The means have the dimensions (*dims, statistic). Without interface strength, the contributions of opposite
     directions cancel except for round-off, which would have a random sign.
@@ -377,7 +377,7 @@ def _remove_round_off(means: Floats, dims: Sequence[str], members: xarray.Datase
 
 
 def find_axes_with_both_directions(directions: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Return the axes of motion along which both directions were computed: angle (degrees) and direction indices.
+    """Return the angle (degrees) and direction indices of each axis along which both directions were computed.
 
     The indices have the shape (axes, 2).
     """
@@ -394,7 +394,7 @@ def find_axes_with_both_directions(directions: Floats) -> tuple[Floats, NDArray[
 
 @dataclass(frozen=True, eq=False)
 class MemberDependence:
-    """Statistical dependence of members: none, correlation of neighbours on a line, or common scans."""
+    """Kind of statistical dependence between members: none, correlation of neighbours on a line, or shared scans."""
 
     order: NDArray[np.intp] | None = None
     lines: NDArray[np.intp] | None = None
@@ -448,7 +448,7 @@ class MemberDependence:
 
 
 def _compute_mean_and_interval(values: Floats, scan_mean: intervals.ScanPairMean | None) -> tuple[float, float, float]:
-    """Average values over pairs of upper and lower scans: return the mean and the limits of its 95 % interval."""
+    """Average values over pairs of upper and lower scans, and return the mean and the limits of its 95 % interval."""
     if scan_mean is None:
         finite_values = values[np.isfinite(values)]
         return float(finite_values.mean()) if finite_values.size else np.nan, np.nan, np.nan

@@ -110,7 +110,7 @@ def evaluate_members(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, load_definition: LoadDefinition = "elastic",
     member_kind: MemberKind | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate contact quantities, and friction at the onset of sliding, at given loads for each member.
+    """Evaluate contact quantities and the friction at the onset of sliding, at given loads for each member.
 
     For a measured study, the dataset at the study's elastic loads, mu0 and tau0 is evaluated only once for each result.
     """
@@ -195,7 +195,7 @@ def interpolate_member_sums(
 
 
 def estimate_area_error(adhesive_sums: Floats) -> float:
-    """Return the relative standard error of the mean true area, given one sum of contact areas per member.
+    """Return the relative standard error of the mean true area, from one sum of contact areas per member.
 
     The error is 0 for a single member.
     """
@@ -301,7 +301,7 @@ def _evaluate_piece(
 
 @dataclass(frozen=True, eq=False)
 class _MemberForces:
-    """Normal and tangential loads (mN) of members at the onset of sliding, and masks of the loads that are reached.
+    """Normal and tangential loads (mN) of members at the onset of sliding, with masks of the loads that they reach.
 
     The masks mark loads that a member reaches, and loads below the first loading step. The arrays have the shape (...,
     sliding, direction, load, mu0, tau0), or a shape that broadcasts to it.
@@ -316,7 +316,7 @@ class _MemberForces:
     def at_elastic_loads(
         cls, contact_sums: Mapping[str, Floats], load_crossings: LoadCrossings, law: FrictionLaw
     ) -> _MemberForces:
-        """Compute the normal and tangential load of each member with friction, at given loads without friction."""
+        """Compute each member's normal and tangential load with friction, at given loads computed without friction."""
         is_reached, is_below = (
             mask[..., None, None, :, None, None] for mask in (load_crossings.reached, load_crossings.below)
         )
@@ -326,7 +326,7 @@ class _MemberForces:
     def at_normal_loads(
         cls, sums_at_steps: Mapping[str, Floats], loads: Floats, law: FrictionLaw, *, interpolates_ratio: bool
     ) -> _MemberForces:
-        """Interpolate each member's tangential load at given normal loads (mN); return normal and tangential loads."""
+        """Interpolate each member's tangential load at given normal loads (mN), and return both loads."""
         # The axis of loading steps is moved to the end, because loads are interpolated along the last axis.
         normal_load, tangential_load = (np.moveaxis(array, -3, -1) for array in _compute_loads(sums_at_steps, law))
         normal_load = np.broadcast_to(normal_load, tangential_load.shape)
@@ -354,7 +354,7 @@ def _grow_contacts(
     forces: _MemberForces, status: NDArray[Any], law: FrictionLaw, sums: Mapping[str, Floats], area_growth: Floats,
     fraction: Floats,
 ) -> tuple[_MemberForces, NDArray[Any]]:  # fmt: skip
-    """Return loads and statuses of members after shear has enlarged or reduced the contact area.
+    """Return the loads and statuses of members with the contact area that shear has enlarged or reduced.
 
     The friction force is also reduced if the softer body shears. `sums` are the contact sums at the loads, which mu0
     and tau0 multiply. `area_growth` and `fraction` come from `compute_onset_area_and_friction_factors`.
@@ -377,7 +377,7 @@ def _grow_contacts(
 def _compute_opposing_fraction(
     piece: xarray.Dataset, member_dims: tuple[str, ...], contact_sums: Mapping[str, Floats]
 ) -> dict[str, Any]:
-    """Return the fraction of the load on contacts whose slopes oppose the motion, if both sliding rules are stored."""
+    """Return the fraction of the load that contacts opposing the motion carry, if both sliding rules are stored."""
     rules = piece["sliding"].values.tolist() if "sliding" in piece.dims else []
     if not {"opposing", "all"} <= set(rules):
         return {}
@@ -394,7 +394,7 @@ def _compute_opposing_fraction(
 def _interpolate_quantities(
     piece: xarray.Dataset, member_dims: tuple[str, ...], load_crossings: LoadCrossings, names: Collection[str] | None
 ) -> dict[str, Any]:
-    """Interpolate the normal load without friction, and the named quantities, at the requested loads.
+    """Interpolate the normal load without friction, and other quantities, at the requested loads.
 
     The result is a dict keyed by name.
     """
@@ -496,7 +496,7 @@ def _interpolate_displacements_and_stiffnesses(
 
 
 def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law: FrictionLaw) -> dict[str, Any]:
-    """Return for each member the pull-off force, whether this force is a lower bound, and the friction at zero load."""
+    """Return each member's pull-off force, whether this force is a lower bound, and the friction force at zero load."""
     is_bound = (_to_float_array(piece.variables["pull_off_is_bound"], member_dims) != 0).astype(np.float64)
     zero_load_sums = {
         name: _to_float_array(piece.variables[name], (*member_dims, *MOTION_DIMENSION_NAMES), missing=True)[
@@ -583,7 +583,7 @@ def _get_missing_motion_coordinates(piece: xarray.Dataset, study: Study) -> dict
 
 
 def _replace_sums_by_ratios(variables: dict[str, Any], nominal_area: Any) -> dict[str, Any]:
-    """Replace sums over contacts by ratios of two sums; the mean pressure, for example, is load over area."""
+    """Replace sums over contacts by ratios of two sums, such as the mean pressure, which is load over area."""
     dims, elastic = variables["normal_elastic"][:2]
     if nominal_area is not None and "pull_off" in variables:
         pull_off = variables["pull_off"]

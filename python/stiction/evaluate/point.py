@@ -30,7 +30,7 @@ NEGLIGIBLE_LOAD_RATIO = 0.01
 
 @dataclass(frozen=True)
 class SlidingRuleCoefficient(Estimate):
-    """Friction coefficient under one sliding rule, as a mean over directions of motion, with its intervals.
+    """Friction coefficient under one sliding rule, averaged over directions of motion, with its intervals.
 
     If there is no combined interval, the limits are the interval of the mean.
     """
@@ -74,7 +74,7 @@ def iterate_points(at: xarray.Dataset) -> Iterator[xarray.Dataset]:
 
 
 def read_number(point: xarray.Dataset, name: str) -> float:
-    """Read a quantity without an interval, such as the load (mN), from the dataset of a result point."""
+    """Read a quantity without an interval, such as the load (mN), from a dataset for one load, mu0 and tau0."""
     # Reading `point.variables[name]` is much faster than reading `point[name]`, an `xarray.DataArray`.
     return float(point.variables[name].values)
 
@@ -121,7 +121,7 @@ def read_estimate(table: xarray.DataArray) -> Estimate:
 
 
 def _get_estimate_fields(name: Any, attributes: Mapping[Any, Any]) -> dict[str, Any]:
-    """Return the name, the unit and the kind of interval for an estimate, from its variable's name and attributes."""
+    """Return the name, the unit and the interval kind of an estimate, from the name and attributes of its variable."""
     return {
         "name": str(name), "unit": QUANTITIES[str(name)].unit, "kind": find_interval_kind(str(name), attributes),
     }  # fmt: skip
@@ -139,7 +139,7 @@ def read_estimates_along(table: xarray.DataArray, dimension: str) -> dict[float,
 
 @dataclass(frozen=True)
 class PointQuantities:
-    """Dict of the quantities at one result point under one sliding rule, keyed by the names of the quantities.
+    """Dict of the quantities at one load, mu0 and tau0 under one sliding rule, keyed by the names of the quantities.
 
     If there are several directions, quantities that depend on the direction are not included.
     """
@@ -150,7 +150,7 @@ class PointQuantities:
 
 
 def read_point_quantities(point: xarray.Dataset, rule: str) -> PointQuantities:
-    """Return all quantities at a result point that do not depend on the direction, under one sliding rule.
+    """Return all quantities at one load, mu0 and tau0 that do not depend on the direction, under one sliding rule.
 
     Selections from an `xarray.Variable` are much faster than selections from an `xarray.DataArray`.
     """
@@ -176,7 +176,7 @@ def read_point_quantities(point: xarray.Dataset, rule: str) -> PointQuantities:
 
 
 def mean_over_directions(point: xarray.Dataset, name: str) -> float:
-    """Return a quantity at a result point as the mean over all directions of motion.
+    """Return a quantity at one load, mu0 and tau0, averaged over all directions of motion.
 
     Returns NaN if the quantity is missing.
     """
@@ -202,7 +202,7 @@ def find_contact_status(point: xarray.Dataset, study: Study) -> str:
 
 
 def mean_contact_pressure(point: xarray.Dataset) -> float:
-    """Return the mean contact pressure (GPa) at a result point."""
+    """Return the mean contact pressure (GPa) at one load, mu0 and tau0."""
     return mean_over_directions(point, "mean_pressure")
 
 
@@ -218,7 +218,7 @@ def list_rules_with_reported_first(study: Study) -> list[str]:
 
 
 def sort_sliding_rules(table: Any, study: Study) -> Any:
-    """Reorder the sliding rules in a dataset of measured bodies, starting with the rule that is reported.
+    """Sort the sliding rules in a dataset of measured bodies, with the rule that results report by default first.
 
     Other tables are returned unchanged.
     """
@@ -228,12 +228,12 @@ def sort_sliding_rules(table: Any, study: Study) -> Any:
 
 
 def has_nominal_area(point: xarray.Dataset, study: Study) -> bool:
-    """Return whether the contact model of the bodies at a result point defines a nominal area."""
+    """Return whether the contact model of two bodies defines their nominal area."""
     return "nominal_area" in point.coords and study.has_nominal_area
 
 
 def nominal_pressure_at(point: xarray.Dataset, study: Study) -> float:
-    """Return the nominal pressure (GPa) at a result point.
+    """Return the nominal pressure (GPa), which is the load divided by the nominal area.
 
     Returns NaN if the contact model has no nominal area.
     """
@@ -253,7 +253,7 @@ def has_limited_pressure(study: Study) -> bool:
 
 
 def effective_modulus_at(point: xarray.Dataset, study: Study) -> float:
-    """Return the effective modulus E* (GPa) at a result point."""
+    """Return the effective modulus E* (GPa) of the two bodies in a result."""
     has_modulus = "effective_modulus" in point.coords
     return read_number(point, "effective_modulus") if has_modulus else float(study.contact.effective_modulus)
 
@@ -273,7 +273,7 @@ def get_adhesion_ranges(point: xarray.Dataset, study: Study) -> tuple[float, flo
 
 
 def is_unloaded(point: xarray.Dataset) -> bool:
-    """Return whether the load at a result point is negligible compared with the pull-off force."""
+    """Return whether the load of `point` is negligible compared with the pull-off force."""
     return "pull_off" in point and read_number(point, "load") < NEGLIGIBLE_LOAD_RATIO * mean_over_directions(
         point, "pull_off"
     )
@@ -289,7 +289,7 @@ def get_study_hardness(study: Study) -> float:
 
 
 def get_contact_hardness(point: xarray.Dataset, study: Study) -> float:
-    """Return the hardness (GPa) of the contacts at a result point.
+    """Return the hardness (GPa) of the contacts at the load of `point`.
 
     Returns NaN if the study has no hardness.
 
@@ -314,7 +314,7 @@ def compute_plastic_friction(point: xarray.Dataset, study: Study) -> float | Non
 
 
 def is_stronger_than_body(point: xarray.Dataset, study: Study) -> bool:
-    """Return whether, at a result point, the softer body would shear before its yielding contacts slide."""
+    """Return whether the softer body would shear before its yielding contacts slide."""
     if study.contact.hardness is None:
         return False
     law = Inputs.from_study(study).friction_law(read_number(point, "mu0"), read_number(point, "tau0"))

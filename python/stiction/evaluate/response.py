@@ -1,4 +1,4 @@
-"""Dependence of a contact on uncertain inputs: E*, hardness, μ0, τ0, and the inputs of the yield model.
+"""Dependence of friction and contact on uncertain inputs: E*, hardness, μ0, τ0, and the inputs of the yield model.
 
 One solution at the inputs of the study gives the quantities at all other inputs. Forces are linear in μ0 and τ0, and
 the true area is an `AreaFunction`.
@@ -81,7 +81,7 @@ def _get_area_inputs(inputs: InputValues) -> dict[str, Any]:
 
 @dataclass(frozen=True, eq=False)
 class ClosureCurve:
-    """Closures (µm) of a pair at the computed loads, averaged over members, for interpolation at other loads.
+    """Closure (µm) of a pair's gap at each computed load, averaged over members, for interpolation at other loads.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class ClosureCurve:
         return loading, unloading
 
     def scale_stiffness(self, ratios: Floats) -> Floats:
-        """Return the closures (µm) after the closure stiffness at each load has been multiplied by `ratios`.
+        """Return the closures (µm) that result if the closure stiffness at each load is multiplied by `ratios`.
 
         The arrays have the shape (l, ...). The closure is the integral of 1/stiffness over the load.
         """
@@ -117,7 +117,7 @@ class ClosureCurve:
         return np.cumsum(np.concatenate([self.closures[:1] * compliances[:1], steps]), axis=0)
 
     def interpolate(self, closures: Floats, load: Floats) -> Floats:
-        """Interpolate closures at loads (mN) with power laws, which also extrapolate beyond the computed loads."""
+        """Interpolate closures at loads (mN) with power laws, and extrapolate them beyond the computed loads."""
         log_loads, logs = np.log(self.loads), np.log(closures)
         index = np.clip(np.searchsorted(self.loads, load), 1, self.loads.size - 1)
         below, above = (
@@ -128,7 +128,7 @@ class ClosureCurve:
 
 
 def build_closure_curves(result: MemberSums) -> list[ClosureCurve | None]:
-    """Return a list with one closure curve for each cutoff of a result.
+    """Return one curve of the gap's closure against load for each cutoff of a result.
 
     A curve is None if fewer than two closures are known.
     """
@@ -156,7 +156,7 @@ def build_closure_curves(result: MemberSums) -> list[ClosureCurve | None]:
 
 
 class AreasBeforeShear(NamedTuple):
-    """True contact areas (µm²) before shear: `elastic` for contacts that do not yield, `true` with yielding."""
+    """True contact areas (µm²) before shear: `elastic` without yielding, and `true` with yielding."""
 
     elastic: Floats
     true: Floats
@@ -187,14 +187,14 @@ class ResponseValues:
     plastic_friction: Floats
 
     def select_sample(self, *indices: int) -> ResponseValues:
-        """Return friction coefficient and areas for a single sample of the inputs, given the sample's array indices."""
+        """Return friction coefficient and areas for the single sample of the inputs with the given array indices."""
         shape = np.shape(self.friction_coefficient)
         return ResponseValues(**{name: np.broadcast_to(array, shape)[indices] for name, array in vars(self).items()})
 
 
 @dataclass(frozen=True, eq=False)
 class ContactResponseToInputs:
-    """Model of how changed inputs affect friction and contact quantities of a pair, at one load under one sliding rule.
+    """Model of the effect of input changes on friction and contact quantities of a pair, at one load and sliding rule.
 
     Attributes
     ----------
@@ -267,7 +267,7 @@ class ContactResponseToInputs:
         )
 
     def stiffness_ratios(self, inputs: InputValues, area_before_shear: Floats) -> tuple[Floats, ...]:
-        """Return ratios of four stiffnesses to their central values: normal and closure, in loading and unloading.
+        """Return normal and closure stiffness, in loading and unloading, divided by their values at the central inputs.
 
         The two normal stiffnesses come first.
 
@@ -293,7 +293,7 @@ class ContactResponseToInputs:
         )
 
     def friction_at_no_load_ratio(self, inputs: InputValues) -> Floats:
-        """Return the ratio of the friction at zero load for given inputs to that for the central inputs.
+        """Return the friction at zero load for given inputs, divided by the friction for the central inputs.
 
         The attraction is computed with the central inputs. The area changes as at the smallest computed load.
         """
@@ -307,7 +307,7 @@ class ContactResponseToInputs:
         return force / central_force if central_force != 0 else np.ones_like(area_ratio)
 
     def closures_at_computed_loads(self, inputs: InputValues) -> Floats:
-        """Return the closures (µm) at all computed loads for given inputs.
+        """Return the closure (µm) of the gap at each computed load, for given inputs.
 
         E* and the heights are those of the study. The hardness is divided by their changes instead.
         """
@@ -323,7 +323,7 @@ class ContactResponseToInputs:
         return self.closure_curve.scale_stiffness(np.stack(ratios))
 
     def closure_ratio(self, inputs: InputValues, closures: Floats) -> Floats:
-        """Return the ratio of the closure for given inputs to the closure for the central inputs.
+        """Return the closure of the gap for given inputs, divided by its closure for the central inputs.
 
         By similarity, the closure is the height factor times the closure at the load divided by the change of E* and
         heights. `closures` comes from `closures_at_computed_loads`.
@@ -338,5 +338,5 @@ class ContactResponseToInputs:
         return np.asarray(inputs.height_factor * closure / central_closure)
 
     def at_central_inputs(self, **changes: Any) -> ResponseValues:
-        """Return all quantities of the contact for central values of all inputs that are not in `changes`."""
+        """Return all quantities of the contact at the central inputs, except for the inputs given in `changes`."""
         return self.evaluate(replace(self.central, **changes))

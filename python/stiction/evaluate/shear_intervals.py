@@ -1,4 +1,4 @@
-"""95 % intervals for a shear test, from the uncertainty of its inputs and from differences between strips of faces.
+"""95 % intervals for a shear test, from uncertain inputs and from differences between strips of the two faces.
 
 Inputs are propagated by sampling (JCGM 101, 2008). μ0 and τ0 enter at the solved contacts. The hardness and E* change
 the contacts, so the test is repeated at both limits of each of these inputs, and the curves are interpolated.
@@ -74,7 +74,7 @@ def _generate_sample_points(dimensions: int, num_displacements: int) -> Floats:
 def draw_shear_samples(
     inputs: Inputs, strength: InterfaceStrength | None, num_displacements: int
 ) -> list[ShearInputSamples]:
-    """Draw samples of the inputs of a shear test; for a calibrated interface, also samples with mu0 = 0 or tau0 = 0."""
+    """Draw samples of a shear test's inputs and, for a calibrated interface, samples with mu0 = 0 or tau0 = 0."""
     uncertain_inputs, joint_strengths = find_inputs_and_strengths(inputs, strength)
     if not uncertain_inputs and all(np.ptp(joint.mu0) == np.ptp(joint.tau0) == 0 for joint in joint_strengths):
         return []
@@ -113,7 +113,7 @@ def draw_shear_samples(
 
 @dataclass(frozen=True)
 class ContactVariation:
-    """Change of one contact input, such as the hardness, in a shear test: name, and factor on its central value."""
+    """Change of one contact input, such as the hardness, in a shear test: its name, and the factor on its value."""
 
     name: str
     ratio: float
@@ -125,7 +125,7 @@ class ContactVariation:
 
 
 def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariation]:
-    """Return the changes of inputs with which a shear test is repeated: each contact input at each of its limits."""
+    """Return the input changes for repetitions of a simulated shear test: each contact input at each of its limits."""
     if not samples:
         return []
     return [
@@ -137,7 +137,7 @@ def list_variations(samples: Sequence[ShearInputSamples]) -> list[ContactVariati
 
 
 class _SampledCurves:
-    """Curves of a shear test for each sample of the inputs, interpolated between computed tests.
+    """Curves of a shear test for each sample of the inputs, interpolated between simulations at varied inputs.
 
     The curves are linear in the logarithm of the input. The effects of two inputs are added. `has_no_solution` is True
     for samples near a limit at which the contact has no solution, with the shape (samples, displacements). A sample is
@@ -157,7 +157,7 @@ class _SampledCurves:
             self.has_no_solution = self.has_no_solution | ((weight > MIN_WEIGHT_NEAR_LIMIT) & is_lost)
 
     def sample(self, get_curve: Callable[[xr.Dataset], Floats]) -> Floats:
-        """Return a curve for each input sample; `get_curve` selects the curve from the dataset of a shear test.
+        """Return, for each input sample, the curve that `get_curve` selects from the dataset of a shear test.
 
         Values are NaN for samples near a limit at which the curve is NaN.
         """
@@ -173,7 +173,7 @@ class _SampledCurves:
 def _sample_test(
     test: xr.Dataset, samples: ShearInputSamples, variations: Sequence[tuple[ContactVariation, xr.Dataset]]
 ) -> _Samples:
-    """Return the curves and peak values of a shear test, one curve and one peak value per sample of the inputs.
+    """Return the curves and peak values of a simulated shear test for each sample of the inputs.
 
     Coefficients are infinite where the faces lock, or where the contact has no solution.
     """
@@ -205,7 +205,7 @@ def _divide_values(test: xr.Dataset, name: str, divisor: str) -> Floats:
 
 
 def _summarize_samples(test: xr.Dataset, coefficient: Floats, stress: Floats, dilation: Floats) -> _Samples:
-    """Return curves and peak values of a shear test for all samples of the inputs.
+    """Combine samples of the coefficient, stress and dilation of a shear test into curves and peak values.
 
     A peak is the largest value among displacements with status "ok".
     """
@@ -224,13 +224,13 @@ def _summarize_samples(test: xr.Dataset, coefficient: Floats, stress: Floats, di
 
 @dataclass(frozen=True)
 class _StripMeanErrors:
-    """Standard error of the mean over strips of the faces for each quantity, and the number of solved strips."""
+    """Standard error of each quantity's mean over the strips of both faces, and the number of solved strips."""
 
     errors: _Samples
     counts: _Samples
 
     def error_quantiles(self, name: str, shape: tuple[int, ...], probabilities: Floats) -> Floats:
-        """Return quantiles of the error of the mean over strips, for given probabilities (first axis of the result).
+        """Return quantiles of the error of the mean over strips, with the given probabilities along the first axis.
 
         The error has Student's t distribution. Quantiles are NaN if fewer than two strips have a solution.
         """
@@ -244,7 +244,7 @@ class _StripMeanErrors:
 
 
 def _estimate_strip_errors(test: xr.Dataset, strips: Sequence[xr.Dataset]) -> _StripMeanErrors:
-    """Return each quantity's standard error of the mean over strips of the faces; unsolved strips are ignored.
+    """Return the standard error of each quantity's mean over the strips of both faces, ignoring unsolved strips.
 
     The peak of a strip is found among the displacements at which the strip has a solution.
     """
@@ -313,7 +313,7 @@ def add_shear_intervals(
 
 
 def _open_lower_limits(test: xr.Dataset, limits: Mapping[str, Floats], varied_tests: Sequence[xr.Dataset]) -> None:
-    """Set lower limits of friction to 0 where the test has no solution for one input at an end of its range.
+    """Set lower limits of friction to 0 where a shear test has no solution with one input at an end of its range.
 
     If the faces lock at the end of the range, lower limits are unchanged, because locking only raises the friction.
     """
@@ -342,14 +342,14 @@ def _compute_interval_limits(values: Floats, coverage: float) -> Floats:
 
 
 def _extend_to_value(name: str, value: Floats, limits: Sequence[Floats]) -> Floats:
-    """Widen interval limits to include the computed value; raise negative limits to 0, except for dilation."""
+    """Widen interval limits to include the computed value, and raise negative limits to 0, except those of dilation."""
     first_limits, *other_limits = limits
     extended_limits = extend_intervals(first_limits, *other_limits, np.stack([value, value], axis=-1))
     return extended_limits if "dilation" in name else np.maximum(extended_limits, 0.0)
 
 
 def _add_interval_limits(test: xr.Dataset, limits: Mapping[str, Floats]) -> xr.Dataset:
-    """Return a copy of a shear test that contains interval limits for its curves and for its peak and final values."""
+    """Return a copy of a shear test with interval limits added to its curves, peak values and final values."""
     attributes: dict[str, float] = {}
     displacement = test["displacement"].values
     for name in SHEAR_INTERVAL_ATTRIBUTES:

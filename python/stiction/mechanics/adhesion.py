@@ -1,4 +1,4 @@
-"""Equilibria of two adhesive elastic half-spaces; their attraction decays exponentially with the gap.
+"""Equilibria of two adhesive elastic half-spaces whose attraction decays exponentially with the gap.
 
 The attraction is σ(g) = w/ρ exp(-g/ρ). Each iteration reduces the undeformed gap g0 by the displacement Kσ due to the
 attraction, solves the contact, and evaluates σ at the new gap, until σ no longer changes.
@@ -85,7 +85,7 @@ class EquilibriumNotFoundError(NoSolutionError):
 
 @dataclass
 class _IterationState:
-    """State of an iteration towards an adhesive equilibrium, from which an interrupted iteration can resume."""
+    """State of an iteration towards an adhesive equilibrium, so that an interrupted iteration can resume."""
 
     attraction: Floats
     pressure: Floats | None = None
@@ -105,7 +105,7 @@ class _IterationState:
     last_residual: float = math.inf
 
     def to_step_result(self) -> StepResult:
-        """Convert the iteration state to a mapping of names to arrays and numbers, which can be stored."""
+        """Convert the iteration state to a storable mapping of names to arrays and numbers."""
         result = {name: value for name, value in vars(self).items() if value is not None and name != "best_state"}
         best_state = {} if self.best_state is None else vars(self.best_state)
         return result | {f"best_{name}": value for name, value in best_state.items()}
@@ -248,7 +248,7 @@ class AdhesionSolver:
         return _to_adhesion_state(result), bool(result["is_balanced"])
 
     def _start_iteration(self, near: AdhesionState | None) -> _IterationState:
-        """Return the first state: that of an interrupted iteration, `near`, or zero attraction if both are missing."""
+        """Return the first state: that of an interrupted iteration, else `near`, else a state without attraction."""
         if (state := self.record.read_state()) is not None:
             return _IterationState.from_step_result(state)
         if near is None:
@@ -258,7 +258,7 @@ class AdhesionSolver:
     def _iterate_to_equilibrium(
         self, state: _IterationState, contact_load: Callable[[float], float], max_factor: float
     ) -> Iterator[tuple[AdhesionState, float]]:
-        """Iterate the attraction. Until the bodies separate, yield contact states and relative changes of attraction.
+        """Yield contact states and relative changes of the attraction in each iteration, until the bodies separate.
 
         The contact load (GPa) is a function of the mean attraction. After `NUM_UNACCELERATED_STEPS` plain steps, a step
         is extrapolated as a geometric series with the ratio of the last two changes, limited to `max_factor` times the
@@ -377,7 +377,7 @@ class AdhesionSolver:
         return self.find_equilibrium_at_pressure(near, load)
 
     def trace_separation(self, start: AdhesionState) -> list[AdhesionState]:
-        """Return the equilibria while the bodies are pulled apart, down to the lowest external load (pull-off).
+        """Return the equilibria passed while the bodies are pulled apart, down to the lowest external load (pull-off).
 
         If the bodies are hard, equilibria at decreasing contact loads lead past the minimum of the external load. If
         this minimum is not certain, loads are tried by energy minimization, until the bodies separate under a load that
@@ -551,7 +551,7 @@ class AdhesionSolver:
         )
 
     def refine_minimum_load(self, states: list[AdhesionState]) -> list[AdhesionState]:
-        """Return `states` with more equilibria near the interpolated minimum of the external load."""
+        """Return the given states and additional equilibria near the interpolated minimum of the external load."""
         states = list(states)
         for _ in range(MAX_REFINEMENT_SOLVES):
             minimum_index = min(range(len(states)), key=lambda index: states[index].load)
@@ -625,7 +625,7 @@ class EnergyMinimizer:
         raise EquilibriumNotFoundError(f"at a load of {force:.4g} mN, the energy minimization did not converge")
 
     def _restore_or_start(self, near: AdhesionState, load: float) -> _core.MinimizationState:
-        """Return the stored state of an interrupted minimization. If there is none, return a new initial state."""
+        """Return the stored state of an interrupted minimization or, if no state is stored, a new initial state."""
         if (fields := self.record.read_state()) is not None:
             return _core.MinimizationState({name: _to_array_or_number(value) for name, value in fields.items()})
         shape = self.problem.gap.shape
@@ -655,7 +655,7 @@ def find_state_of_lowest_load(states: list[AdhesionState]) -> AdhesionState:
 def _interpolate_minimum_load(
     states: list[AdhesionState], upper: AdhesionState, lower: AdhesionState
 ) -> tuple[float, float]:
-    """Interpolate the minimum of the external load; return this load and the contact load there (both GPa).
+    """Interpolate the minimum of the external load, and return this minimum and the contact load there (both GPa).
 
     The mean attraction is interpolated by a polynomial in the logarithm of the contact load.
     """

@@ -1,4 +1,4 @@
-"""Bounds on contact area and friction in finer scans; rms gradients extrapolated to shorter wavelengths."""
+"""Bounds on contact area and friction in finer scans, and extrapolation of rms gradients to shorter wavelengths."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ EXTRAPOLATED_WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
 def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
-    """Return the factor that bounds, with 95 % probability, the change of κ = A E* h'/F in a finer scan.
+    """Return the factor, at 95 % probability, by which κ = A E* h'/F of a finer scan may be larger or smaller.
 
     The coefficient κ = A E* h'/F relates the real contact area A to the load F and to the rms gradient h'.
 
@@ -111,7 +111,7 @@ def developed_interface_area_ratio(gradient: Floats) -> Floats:
 
 
 def transverse_slope_factor(gradient: Floats, dimensions: int) -> Floats:
-    """Return the factor by which slopes across the direction of motion raise mu_s, if friction acts at all contacts.
+    """Return the factor by which slopes across the direction of motion raise mu_s if friction acts at all contacts.
 
     All contacts include those whose slopes do not oppose the motion.
 

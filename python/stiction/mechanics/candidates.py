@@ -33,7 +33,7 @@ _GROOVE_TOLERANCE_TO_GAP_RANGE = 1e-9
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Candidates:
-    """Local minima of the gap between two surfaces, interpolated by splines.
+    """Local minima of the spline-interpolated gap between two surfaces.
 
     All arrays are read-only.
 
@@ -173,7 +173,7 @@ def candidates(
 def find_candidates_and_model(
     upper: Any, lower: Any, contact: Mapping[str, object]
 ) -> tuple[Candidates | None, ContactModel]:
-    """Return the contact candidates (None if two surfaces are given) and the contact model."""
+    """Return the contact candidates, or None if the bodies are given as surfaces, and the contact model."""
     if not isinstance(upper, Candidates):
         return None, make_pair_model(upper, lower, contact)
     if "effective_modulus" not in contact and "model" not in contact:

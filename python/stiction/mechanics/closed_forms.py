@@ -1,4 +1,4 @@
-"""Closed-form solutions for single contacts, sinusoidal surfaces and rough surfaces. Tests use them as references.
+"""Closed-form solutions for single contacts, sinusoidal surfaces and rough surfaces, used as references in tests.
 
 The module uses plain NumPy and is independent of the core. All arguments broadcast.
 """
@@ -1185,7 +1185,7 @@ def westergaard_gap(
 def _compute_sinusoid_terms(
     x: ArrayLike, mean_pressure: ArrayLike, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """Return five terms of a sinusoidal surface: sin(πx/λ), cos(πx/λ), two pressures, and the height amplitude.
+    """Return sin(πx/λ), cos(πx/λ), the mean pressure, the mean pressure at full contact, and the height amplitude.
 
     The pressures are the given mean pressure and the mean pressure for full contact.
     """

@@ -23,7 +23,7 @@ from stiction.surfaces.surface import Surface, as_body
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Contacts(TextReprMixin):
-    """Contacts between two surfaces at one approach (µm); each array has one row per contact.
+    """Contacts between two surfaces at one approach (µm), as arrays with one row per contact.
 
     All arrays are read-only.
 

@@ -127,7 +127,7 @@ class FrictionLaw:
         return frictional + adhesive
 
     def load(self, name: str, sums: Any, area: Any = 1.0, fraction: Any = 1.0) -> Floats:
-        """Compute a load (mN), "normal" or "tangential" for example, from forces and areas summed over all contacts.
+        """Compute a load (mN), such as "normal" or "tangential", from forces and areas summed over all contacts.
 
         The sums are given as a mapping or as attributes. The true area is `area` times the area in the sums, and the
         contacts carry a fraction of mu0 F + tau0 A (see `OnsetState`).
@@ -159,7 +159,7 @@ class FrictionLaw:
         return solve(hardness, self.mu0, self.tau0, self.junction_growth)
 
     def plastic_coefficient(self, hardness: Any) -> Any:
-        """Return the friction coefficient of a pair if all its contacts yield.
+        """Return the friction coefficient of a pair whose contacts all yield.
 
         Returns NaN if the contacts seize.
 
@@ -170,7 +170,7 @@ class FrictionLaw:
         return np.minimum(coefficient, 2 / self.junction_growth) if self.uses_slip_lines else coefficient
 
     def growth_effect(self, hardness: float) -> float:
-        """Return the relative change of friction due to junction growth in slip-line theory, if all contacts yield.
+        """Return the relative change of friction by junction growth (slip-line theory) if all contacts of a pair yield.
 
         The change is negative if the softer body shears.
         """
@@ -316,7 +316,7 @@ def _compute_limited_pressure_ratio(limit: Any, mean: Any) -> Floats:
 
 @lru_cache(maxsize=1)
 def _tabulate_limited_pressure_ratios() -> Floats:
-    """Tabulate mean(min(p, limit)) / mean(p) for Weibull-distributed p, by mean(p) and limit/(limit + mean(p)).
+    """Tabulate mean(min(p, limit)) / mean(p) of Weibull-distributed p against mean(p) and limit/(limit + mean(p)).
 
     A pressure exceeds p < 1 with the probability exp(-rate p^shape). The shape, 1.5 - 0.65 mean(p), was fitted to rough
     pairs from elastic to plastic contact. The rates are found by bisection.
@@ -356,7 +356,7 @@ def _solve_yield_condition(hardness: Any, mu0: Any, tau0: Any, alpha: Any) -> Fl
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ContactSums:
-    """Areas and forces summed over all contacts of a pair, from which its loads follow for any mu0 and tau0."""
+    """Areas and forces summed over all contacts of a pair, from which loads follow for any mu0 and tau0."""
 
     contact_count: NDArray[Any]
     contact_area: Floats = field(metadata={"unit": "µm²"})
@@ -534,7 +534,7 @@ class FrictionCurve(PlotReprMixin):
         return self._broadcast_friction_law(mu0, tau0).load("tangential", self)
 
     def friction_coefficient(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> Floats:
-        """Return the friction coefficient F_T / F_N at each loading step; NaN where the status is not "ok".
+        """Return the friction coefficient F_T / F_N at each loading step, or NaN where the status is not "ok".
 
         Arguments: as for `normal_load`.
 
@@ -550,7 +550,10 @@ class FrictionCurve(PlotReprMixin):
         return coefficient
 
     def status(self, *, mu0: ArrayLike, tau0: ArrayLike = 0.0) -> NDArray[np.str_]:
-        """Return "ok", "self-locked" (F_N <= 0) or "no-contact" at each loading step, for given mu0 and tau0 (GPa)."""
+        """Return the status ("ok", "self-locked" or "no-contact") at each loading step for given mu0 and tau0 (GPa).
+
+        The status is "self-locked" if friction makes the normal load F_N zero or negative.
+        """
         normal_load = self._broadcast_friction_law(mu0, tau0).load("normal", self)
         return statuses_of_approaches(self.contact_count, normal_load)
 
@@ -606,7 +609,7 @@ MAX_FRICTION_PARAMETER = 1e12
 
 
 def validate_friction_parameter(name: str, values: ArrayLike) -> Floats:
-    """Check that all given mu0 or tau0 are between 0 and `MAX_FRICTION_PARAMETER`; return them as an array."""
+    """Check that all given mu0 or tau0 are between 0 and `MAX_FRICTION_PARAMETER`, and return them as an array."""
     array = float_array(name, values)
     if not (array <= MAX_FRICTION_PARAMETER).all():
         raise ValueError(f"{name} must be at most {MAX_FRICTION_PARAMETER:g}, got {short_repr(values)}")

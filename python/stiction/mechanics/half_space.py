@@ -129,7 +129,7 @@ class HalfSpaceContact(PlotReprMixin):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HalfSpaceCurve(FrictionCurve):
-    """Half-space contacts of two surfaces at several loads, to evaluate friction for any mu0 and tau0.
+    """Half-space contacts of two surfaces at several loads, from which friction follows for any mu0 and tau0.
 
     Arrays are read-only.
 
@@ -245,7 +245,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def _separation_solutions(self) -> tuple[list[ContactSolution], str]:
-        """Contact solutions during separation, and why the pull-off force is uncertain ("" if it is certain)."""
+        """Contact solutions during separation, and the reason why the pull-off force is uncertain ("" if certain)."""
         contact_solution = self._contact_solutions[int(np.argmin(self.load))]
         return solve_separation(contact_solution, tolerance=self._tolerance, record=self._record)
 
@@ -264,7 +264,7 @@ class HalfSpaceCurve(FrictionCurve):
 
     @cached_property
     def stiffness(self) -> Floats:
-        """Normal stiffness dF/dδ (mN/µm) at each load, if the set of contact points does not change.
+        """Normal stiffness dF/dδ (mN/µm) at each load, for an unchanged set of contact points.
 
         The stiffness is infinite in full periodic contact. It is NaN on a free half-plane, and if the pressure equals
         the hardness everywhere in contact. The stiffness is computed on first use.
@@ -330,7 +330,7 @@ class HalfSpaceCurve(FrictionCurve):
         return self._contact_solutions[resolve_index(index, self.load.size, "loads")]
 
     def contact(self, index: int) -> HalfSpaceContact:
-        """Return the contact at `load[index]` as arrays over all grid points: pressure (GPa), gap (µm) and patch."""
+        """Return the contact at `load[index]` as arrays over the whole grid: pressure (GPa), gap (µm), patch number."""
         load_index = resolve_index(index, self.load.size, "loads")
         solution = self._contact_solutions[load_index]
         problem = solution.problem
@@ -358,18 +358,18 @@ class HalfSpaceCurve(FrictionCurve):
 
     @property
     def hardness(self) -> float | None:
-        """Hardness (GPa), which is the largest possible pressure.
+        """Hardness (GPa), which is the upper limit of the contact pressure.
 
         None if the bodies do not yield.
         """
         return self._problem.hardness
 
     def with_sliding(self, sliding: SlidingRule) -> HalfSpaceCurve:
-        """Return the curve for another sliding rule without computing the contacts again."""
+        """Return a load curve for another sliding rule without computing the contacts again."""
         return self._with_contact_sums(replace(self._model, sliding=sliding), self._sums)
 
     def with_direction(self, direction: Direction | Sequence[Direction]) -> HalfSpaceCurve:
-        """Return a load curve for other directions of motion; the contacts are not computed again.
+        """Return a load curve for other directions of motion without computing the contacts again.
 
         Parameters
         ----------
@@ -393,7 +393,7 @@ class HalfSpaceCurve(FrictionCurve):
         poisson: float | Sequence[float] = 0.3,
         tolerance: float = 1e-6,
     ) -> Onset:
-        """Compute the onset of sliding at `load[index]`; see `Onset`.
+        """Compute the onset of sliding at the normal load `load[index]`; see `Onset`.
 
         Parameters
         ----------
@@ -633,7 +633,7 @@ def _solve_contacts(
 def _report_progress(
     progress: Callable[[int, int, float], object], num_solved: int, index: int, iteration: int, error: float
 ) -> None:
-    """Report the progress of the solver at one iteration; `index` numbers the loading step within its group.
+    """Report the progress of the solver after an iteration at the loading step `index` of a group of steps.
 
     `num_solved` steps precede the group.
     """
@@ -679,7 +679,7 @@ def _make_curve(
 def _compute_contact_sums(
     model: ContactModel, contacts: Sequence[ContactSolution], sums: PatchSums
 ) -> dict[str, Floats]:
-    """Return forces and areas summed over all contacts, keyed by name; the last axis counts contact solutions.
+    """Return forces and areas summed over all contacts, keyed by name, with contact solutions along the last axis.
 
     Arrays have the shape (k,) or, if they depend on the direction and the model has a list of d directions, (d, k).
     """

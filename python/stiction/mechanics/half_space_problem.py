@@ -159,7 +159,7 @@ class HalfSpaceProblem:
 
 @dataclass(frozen=True, eq=False)
 class ContactSolution:
-    """Contact solution at one load (mN): pressure (GPa), patch number and fraction in contact of each point."""
+    """Contact solution at one load (mN): pressure (GPa), patch number and contact fraction of each contact point."""
 
     problem: HalfSpaceProblem
     load: float
@@ -200,7 +200,7 @@ class ContactSolution:
 
     @cached_property
     def stiffness(self) -> float:
-        """Normal stiffness dF/dδ (mN/µm) if the contact points do not change.
+        """Normal stiffness dF/dδ (mN/µm) of the contact, for an unchanged set of contact points.
 
         The stiffness is infinite at full periodic contact, and NaN if the solution has no approach.
         """
@@ -216,7 +216,7 @@ class ContactSolution:
 
     @cached_property
     def closure_stiffness(self) -> float:
-        """Closure stiffness dp/dc (GPa/µm) of nominal pressure p and closure c, if the contact points do not change.
+        """Closure stiffness dp/dc (GPa/µm) of nominal pressure p and closure c, for an unchanged set of contact points.
 
         The closure is the decrease of the mean gap: the approach minus the mean displacement of the surface. The
         stiffness is infinite at full contact, and NaN if all points have yielded.
@@ -260,7 +260,7 @@ class ContactSolution:
 
     @cached_property
     def response_at_fixed_tilt(self) -> tuple[Floats, float]:
-        """Contact pressures that displace all contact points equally, and the displacement (µm).
+        """Contact pressures that displace all contact points by the same distance, and this distance (µm).
 
         The pressures have the sum 1 GPa.
         """
@@ -269,7 +269,7 @@ class ContactSolution:
         return self._linear_response if self.is_elastic else self._unloading_response
 
     def _compute_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return the pressures that displace the points of a mask rigidly, and the approach (µm).
+        """Return the pressures under which the points in a mask move as a rigid body, and their approach (µm).
 
         The pressures have the sum 1 GPa.
 
@@ -344,7 +344,7 @@ def cache_compliances(solutions: Sequence[ContactSolution], *, unloading: bool) 
 
 
 def sum_friction_over_patches(solutions: Sequence[ContactSolution], directions: Floats) -> PatchSums:
-    """Sum forces and areas over each contact patch, for several solutions and directions of motion."""
+    """Sum forces and areas over the points of each contact patch, for several solutions and directions of motion."""
     problem = solutions[0].problem
     # With free tilt, each load has its own contact problem, because the tilt changes the gap.
     if any(solution.problem is not problem for solution in solutions):
@@ -459,7 +459,7 @@ def coarsen_problem(problem: HalfSpaceProblem) -> HalfSpaceProblem:
 
 
 def take_every_second_point(values: Floats) -> Floats:
-    """Return every second element of an array along each axis; these elements form a coarser grid."""
+    """Return every second element of an array along each axis, which gives the array on a coarser grid."""
     return np.ascontiguousarray(values[(slice(None, None, 2),) * values.ndim])
 
 
@@ -469,7 +469,7 @@ StepKind = Literal["loads", "approaches"]
 def parse_loads_or_approaches(
     problem: HalfSpaceProblem, loads: ArrayLike | None, approaches: ArrayLike | None
 ) -> tuple[StepKind, Floats]:
-    """Check loads (mN) or approaches (µm), and return them with the word "loads" or "approaches"."""
+    """Check loads (mN) or approaches (µm). Return their kind, "loads" or "approaches", and the checked numbers."""
     step_kind: StepKind = "loads" if approaches is None else "approaches"
     given_values = loads if approaches is None else approaches
     if given_values is None or (loads is not None and approaches is not None):

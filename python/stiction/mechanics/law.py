@@ -31,7 +31,7 @@ class ContactLaw:
     name: ClassVar[str]
 
     def __init_subclass__(cls) -> None:
-        """Derive the name of a law from its class; for example, JacksonGreen becomes "jackson-green"."""
+        """Derive the name of a law from the name of its class, such as "jackson-green" from JacksonGreen."""
         cls.name = re.sub(r"(?<!^)(?=[A-Z])", "-", cls.__name__).lower()
 
     def parameters(self, effective_modulus: float) -> dict[str, float]:

@@ -113,7 +113,7 @@ class LoadCurve(FrictionCurve, ContactSums):
         steps: int | Sequence[float] = 20, displacements: ArrayLike | None = None,
         poisson: float | Sequence[float] = 0.3, compliance_share: float = 0.5,
     ) -> Onset:  # fmt: skip
-        """Compute the onset of sliding at `approach[index]`, with Mindlin's solution for each contact; see `Onset`.
+        """Compute the onset of sliding at the approach `approach[index]`, with Mindlin's solution for each contact.
 
         Parameters
         ----------

@@ -299,7 +299,7 @@ def are_material_names_equal(text: str, name: str) -> bool:
 
 
 def is_coating_formula(name: str) -> bool:
-    """Return whether a name is the chemical formula of a hard or lubricant coating; case does not matter."""
+    """Return whether a name is the chemical formula of a hard or lubricant coating, ignoring case."""
     return _normalise_name(name) in {_normalise_name(formula) for formula in COATING_FORMULAS}
 
 

@@ -1,4 +1,4 @@
-"""Partial slip before the onset of sliding: asperity contacts with a common displacement, or half-spaces.
+"""Partial slip before the onset of sliding, of asperity contacts with a common displacement or of half-spaces.
 
 A traction that decreases from the centre of an ellipse outwards is a sum of flat-punch tractions on smaller ellipses
 with the same aspect ratio and relative size t from 0 to 1. Each of these tractions causes a uniform displacement. A
@@ -58,7 +58,7 @@ def punch_stiffness(axes: Floats, effective_modulus: float) -> Floats:
 
 
 def transverse_load_fraction(axes: Floats, angle: Floats) -> Floats:
-    """Return the load-weighted mean of sin² φ in each contact, where φ is an angle to the direction of motion.
+    """Return the load-weighted mean of sin² φ over each contact, where φ is measured from the direction of motion.
 
     φ is the angle between the motion and the line from the contact's centre to a loaded point.
 
@@ -150,7 +150,7 @@ class AsperityTangentialProblem:
         return float(((strength * slip_distance * sine) @ weights * end_angle[:, 0]).sum())
 
     def _spring_strengths(self, sine: Floats) -> Floats:
-        """Return the strengths 3/4 mu0 F s² + 2/π tau0 A s (mN) of springs that model a contact; s is `sine`."""
+        """Return the strengths 3/4 mu0 F s² + 2/π tau0 A s (mN) of springs that model a contact, where s is `sine`."""
         return np.asarray(
             0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
         )

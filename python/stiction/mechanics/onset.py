@@ -169,7 +169,7 @@ class Onset(PlotReprMixin):
     _slips: tuple[SlipState, ...] = field(repr=False)
 
     def traction(self, index: int) -> Floats:
-        """Return the traction (GPa) of each grid point at `tangential_load[index]`; 0 outside the contact.
+        """Return the traction (GPa) of each grid point at `tangential_load[index]`, which is 0 outside the contact.
 
         For asperities, the mean over each contact is returned, (contacts,), in the order of `contacts`.
 
@@ -355,7 +355,7 @@ MIN_RELATIVE_STRENGTH = 1e-9
 
 
 def resolve_index(index: Any, count: int, items: str) -> int:
-    """Convert an index that may count from the end to a nonnegative index; raise a `ValueError` if out of range."""
+    """Convert an index, which may count from the end, to a nonnegative index. Raise a `ValueError` if out of range."""
     try:
         checked_index = validate_whole_number("index", index, minimum=-count, maximum=count - 1)
     except ValueError:

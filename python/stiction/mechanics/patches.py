@@ -1,4 +1,4 @@
-"""Connected patches of a contact, with their areas, slopes, and the forces and areas that determine friction."""
+"""Connected patches of a contact: their areas, slopes, and force and area sums from which friction follows."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Level patches do not oppose the motion. For a sphere on a flat, solver errors gi
 
 
 def grid_slopes(heights: Floats, spacing: tuple[float, ...], *, periodic: bool) -> list[Floats]:
-    """Compute slopes of heights along each axis, from Fourier transforms if periodic, else from natural splines."""
+    """Compute slopes of heights along each axis, from Fourier transforms if periodic, or else from natural splines."""
     compute_slopes = _core.periodic_slopes if periodic else _core.natural_slopes
     slope_y, slope_x = compute_slopes(np.ascontiguousarray(np.atleast_2d(heights)), spacing=(spacing[0], spacing[-1]))
     return [slope_y, slope_x] if heights.ndim == 2 else [slope_x[0]]
@@ -53,7 +53,7 @@ class PatchSums:
 
     @classmethod
     def join(cls, parts: Sequence[PatchSums]) -> PatchSums:
-        """Join the force and area sums of the patches of several contacts; the order of the contacts is kept."""
+        """Join the force and area sums of the patches of several contacts, in the same order."""
         first_patch = [0, *np.cumsum([part.force.size for part in parts[:-1]])]
         joined = {
             field.name: np.concatenate([getattr(part, field.name) for part in parts], axis=-1) for field in fields(cls)
@@ -68,7 +68,7 @@ class PatchSums:
         return np.asarray(self.leaning > np.repeat(MAX_LEVEL_PATCH_SLOPE * self.steepness, patch_counts) * self.force)
 
     def totals(self, sliding: SlidingRule) -> dict[str, Floats]:
-        """Return area (µm²) and normal force (mN) of all patches, and sums that depend on the direction of motion.
+        """Return the total area (µm²) and normal force (mN) of all patches, and the sums for each direction of motion.
 
         The latter determine friction.
 
@@ -81,7 +81,7 @@ class PatchSums:
         }
 
     def directed_totals(self, sliding: SlidingRule) -> list[Floats]:
-        """Sum forces and areas over the patches with friction, separately for each direction of motion.
+        """Sum forces and areas over the patches at which friction acts, for each direction of motion.
 
         The arrays have the shape (directions, k) for k contacts.
         """

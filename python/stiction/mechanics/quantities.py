@@ -92,7 +92,7 @@ class ResultQuantity:
 
     @property
     def table_unit(self) -> str:
-        """Unit of the quantity in tables and reports, "%" or `unit`; a prefix such as n may be added later."""
+        """Unit of the quantity in tables and reports: "%" or `unit`, to which a prefix such as n may be added later."""
         return "%" if self.percent else self.unit
 
     @property
@@ -556,7 +556,7 @@ def quantity_names_shown_in(view: OutputView) -> tuple[str, ...]:
 
 
 def is_requested(name: str, names: Collection[str] | None) -> bool:
-    """Return whether `names` contains a quantity. The value None of `names` stands for all quantities."""
+    """Return whether `names` contains a quantity; True if `names` is None, which stands for all quantities."""
     return names is None or name in names
 
 
@@ -682,7 +682,7 @@ INTERVAL_KIND_ATTRIBUTE = "interval_kind"
 
 
 def find_interval_kind(name: str, attributes: Mapping[Any, Any]) -> EstimateKind:
-    """Return the kind of the 95 % interval of a quantity, from the variable's attributes or by default."""
+    """Return the kind of the 95 % interval of a quantity: that in the variable's attributes, or else the default."""
     kind: EstimateKind = attributes.get(INTERVAL_KIND_ATTRIBUTE, QUANTITIES[name].interval_kind)
     return kind
 

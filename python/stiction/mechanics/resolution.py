@@ -1,4 +1,4 @@
-"""Area and friction as functions of the shortest resolved wavelength, with bounds for bodies that yield."""
+"""Area and friction as functions of the shortest resolved wavelength, with bounds for finer scans if bodies yield."""
 
 from __future__ import annotations
 
@@ -329,7 +329,7 @@ def _make_cutoff_dataset(
     body_pair: _BodyPair, lengths: list[float], loads: Floats, solutions: list[dict[str, Floats]], modulus: float,
     hardness: float | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Return a dataset with contact area, mean pressure and the sums that determine friction, for each cutoff (µm).
+    """Return a dataset with contact area, mean pressure, and force and area sums for each cutoff (µm).
 
     Values are NaN where the solver failed.
     """

@@ -134,7 +134,7 @@ class ShearBox:
 
     @property
     def initial_overlap_area(self) -> float:
-        """Area (µm²) of the initial overlap that was measured on both faces."""
+        """Area (µm²) of the initial overlap, without grid points that are missing on one of the faces."""
         return _compute_measured_area(*self.faces_at(np.zeros(self.lower.heights.ndim, np.int64)))
 
     def choose_offsets(self, path: float, steps: int) -> NDArray[np.int64]:
@@ -164,7 +164,7 @@ class ShearBox:
 
     @property
     def can_have_strips(self) -> bool:
-        """True if the faces can be cut into strips; they must be height maps that are not periodic."""
+        """True if the faces can be cut into strips, that is, if they are height maps without periodic continuation."""
         return self.lower.heights.ndim > 1 and self.boundary != "periodic"
 
     def find_max_strips(self, offsets: NDArray[np.int64], min_points: int = MIN_OVERLAP_POINTS) -> int:
@@ -222,7 +222,7 @@ class ShearBox:
         return np.asarray((offsets * self.lower.spacings) @ self._motion_vector)
 
     def _find_overlap(self, offset: NDArray[np.int64]) -> tuple[list[int], list[int], list[int]]:
-        """Return where the overlap starts on the upper and on the lower face (grid points), and its shape."""
+        """Return the first overlapping grid point of each face, upper face first, and the shape of the overlap."""
         lower_start = [max(0, int(step)) for step in offset]
         upper_start = [start - int(step) for start, step in zip(lower_start, offset, strict=True)]
         shape = [
@@ -266,7 +266,7 @@ class ShearBox:
         return upper_slopes, lower_slopes
 
     def _find_edges(self, offset: NDArray[np.int64]) -> Floats:
-        """Return an array over the overlap that marks grid points at the edge of one face but not of the other.
+        """Return an array over the overlap that marks the grid points at the edge of exactly one face.
 
         A point is 0 at an edge of the upper face only, 1 at an edge of the lower face only, and NaN elsewhere.
         """
@@ -325,7 +325,7 @@ class ShearBox:
     def _solve_step(
         self, offset: NDArray[np.int64], first_row: StepResult | None, previous_row: StepResult | None
     ) -> StepResult:
-        """For an offset of the upper face, solve the contact whose normal load with friction equals the target."""
+        """Solve the contact at an offset of the upper face, with the normal load with friction equal to the target."""
         upper, lower = self.faces_at(offset)
         gap, missing = upper.heights - lower.heights, combine_missing_masks(upper, lower)
         first_contact_height = -float((gap if missing is None else gap[~missing]).min())
@@ -362,7 +362,7 @@ class ShearBox:
     def _collect_results(
         self, curve: HalfSpaceCurve, offset: NDArray[np.int64], first_contact_height: float, elastic_load: float
     ) -> StepResult:
-        """Return the results of one solved step as a dict, such as contact forces and height of the upper face."""
+        """Return the results of one solved step, such as the contact forces and the upper face's height, as a dict."""
         solution = curve.at(0)
         problem, pressure = solution.problem, solution.on_grid(solution.values)
         displacement = problem.grids.displacement(pressure, threads=solver_thread_count())
@@ -419,7 +419,7 @@ class ShearBox:
 
     @property
     def initial_gap(self) -> xr.DataArray:
-        """Gap (µm) between the faces at the start of the path; 0 at first contact, NaN at missing points.
+        """Gap (µm) between the faces at the start of the path and at first contact, with NaN at missing points.
 
         The positions (µm) along `gap_y` and `gap_x` start at the first point of the overlap.
         """
@@ -504,7 +504,7 @@ def _select_face_region(face: Any, selection: tuple[slice, ...]) -> Any:
 
 
 def _close_round_off_gap(upper: Any, lower: Any) -> tuple[Any, Any]:
-    """Return both faces; if their gap varies only by round-off, the upper face gets the lower face's heights."""
+    """Return both faces; if their gap varies only by round-off, both faces get the heights of the lower face."""
     missing = combine_missing_masks(upper, lower)
     gap = upper.heights - lower.heights if missing is None else (upper.heights - lower.heights)[~missing]
     if np.ptp(gap) > MAX_ROUND_OFF_GAP_VARIATION * np.ptp(lower.heights):
@@ -521,7 +521,7 @@ def _compute_measured_area(upper: Profile | Surface, lower: Profile | Surface) -
 def _search_elastic_load(
     compare_load: Callable[[float], tuple[float, float]], load_guess: float, load: float, max_load: float
 ) -> Status:
-    """Vary the load without friction (mN) until the normal load reaches its target, and return a status.
+    """Vary the load without friction (mN) until the load with friction reaches its target, and return a status.
 
     The load without friction is the elastic load. `compare_load` returns the excess of the normal load over its target,
     and the target, at an elastic load (mN). The method is a bracketed secant method. The last call of `compare_load` is
@@ -572,7 +572,7 @@ def compute_dilation_angles(displacement: Floats, dilation: Floats) -> Floats:
 
 
 def check_gap(test: xr.Dataset) -> None:
-    """Raise an `ArgumentError` if a shear-test dataset has no gap, because an earlier version wrote it."""
+    """Raise an `ArgumentError` if a shear-test dataset lacks the gap of the faces, as in files of earlier versions."""
     if "gap" not in test:
         raise ArgumentError(
             "the shear test must contain the gap of the faces and their closure, got a dataset without a gap; if an "

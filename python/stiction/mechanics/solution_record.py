@@ -1,4 +1,4 @@
-"""Record of a half-space computation, with its number of iterations and the results of finished steps."""
+"""Record of a half-space computation: the results of finished steps, and the number of solver iterations."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ StepResult = dict[str, Any]
 
 
 class SolutionRecord:
-    """Record of a computation in steps: methods that run the steps, and a counter of solver iterations.
+    """Record of a computation in steps, which runs the steps and counts the iterations of the solver.
 
     Without adhesion, the counter includes the stiffnesses, each as a fraction of the iterations of its solution.
 
@@ -30,7 +30,7 @@ class SolutionRecord:
         return SolutionRecord, ()
 
     def run_step(self, compute: Callable[[], StepResult], error_type: type[NoSolutionError]) -> StepResult:
-        """Return the result of the next step: the stored result if there is one, otherwise the computed result.
+        """Return the result of the next step: the stored result or, if none is stored, the computed result.
 
         If `compute` raises an error of the type `error_type`, the error is stored, and is raised again whenever the
         step is repeated. This class stores nothing.
@@ -38,7 +38,7 @@ class SolutionRecord:
         return compute()
 
     def read_state(self) -> StepResult | None:
-        """Return the state that an interrupted run stored during the current step, or None without such a state."""
+        """Return the state that an interrupted run stored during the current step, or None if no state is stored."""
         return None
 
     def offer_state(self, get_state: Callable[[], StepResult]) -> None:

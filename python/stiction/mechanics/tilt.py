@@ -44,7 +44,7 @@ RIGID_TILT_TOLERANCE = 1e-12
 
 
 def apply_tilt(problem: HalfSpaceProblem, slopes: Floats) -> HalfSpaceProblem:
-    """Tilt the upper surface of a problem about its centre by given slopes, along y and x (only x for profiles)."""
+    """Tilt the upper surface of a problem about its centre by given slopes, along y and x, or only x for profiles."""
     plane = sum(slope * arm for slope, arm in zip(slopes, lever_arms(problem), strict=True))
     return replace(
         problem, upper_heights=problem.upper_heights + plane, gap=problem.gap + plane, tilt=problem.tilt + slopes
@@ -131,7 +131,7 @@ def solve_with_balanced_tilt(
 
 
 def find_rigid_tilt(problem: HalfSpaceProblem, total_pressure: float) -> Floats:
-    """Return the slopes of the upper of two rigid surfaces that balance a load at the centre of the surface.
+    """Return the slopes of the upper of two rigid surfaces at which contacts balance a load at the surface's centre.
 
     The load is the sum of the pressures at all points (GPa).
 

@@ -1,4 +1,4 @@
-"""Alternative preparations of a pair's scans; the pair's combined interval includes the result of each preparation.
+"""Alternative preparations of a pair's scans. The pair's combined interval includes the results of all preparations.
 
 Each alternative preparation is a separate study with the members and loads of the pair, stored in the directory of the
 pair's result: *spikes* masks outliers, and *tip* estimates the roughness that a blunt tip did not reach.
@@ -42,7 +42,7 @@ and in 31 % after the tip reconstruction alone.
 
 
 def build_alternative_study(study: Study, name: AlternativeName) -> Study:
-    """Return a copy of a study whose scans have masked outliers and, for "tip", also a larger tip correction.
+    """Return a copy of a study whose scans have masked outliers and, if `name` is "tip", a larger tip correction.
 
     Both alternatives mask outliers, because a tip correction would broaden downward spikes. In a study that does not
     allow missing points, the heights of outliers are interpolated.
@@ -63,7 +63,7 @@ def build_alternative_study(study: Study, name: AlternativeName) -> Study:
 
 
 def find_alternative_study(study: Study, path: Path, name: AlternativeName) -> CompanionStudy:
-    """Return the companion study in which the scans are prepared in the named alternative way."""
+    """Return the companion study in which the scans are prepared in the alternative way `name`."""
     return CompanionStudy(build_alternative_study(study, name), path / ALTERNATIVES_DIRECTORY / name)
 
 

@@ -29,7 +29,7 @@ MAX_CELLS_OF_SMALL_CONTACT = 4
 
 @dataclass(frozen=True, eq=False)
 class PairSlopeStatistics:
-    """Slope statistics of two bodies: masks of the steepest points, and mean square slopes of the gap."""
+    """Slope statistics of two bodies: their steepest points, limits of steepness, and mean square slopes of the gap."""
 
     steep_masks: dict[str, NDArray[np.bool_]]
     steepness_limits: dict[str, float]
@@ -39,7 +39,7 @@ class PairSlopeStatistics:
 
     @classmethod
     def from_pair(cls, upper: Profile | Surface, lower: Profile | Surface) -> PairSlopeStatistics:
-        """Compute the slope statistics of two bodies on the same grid, with slopes of natural cubic splines.
+        """Compute slope statistics of two bodies on the same grid. Slopes are those of natural cubic splines.
 
         Large arrays are overwritten instead of allocated, because the operating system clears new memory.
         """
@@ -120,7 +120,7 @@ class ContactList:
 def compute_patch_statistics(
     solutions: Sequence[ContactSolution], slopes: PairSlopeStatistics
 ) -> dict[str, NDArray[np.float64]]:
-    """Compute the contact statistics of a result from half-space solutions; arrays have one row per load.
+    """Compute the contact statistics of a result from half-space solutions, as arrays with one row per load.
 
     Load fractions on the steepest points are on the steepest 10 % of the grid points of each body.
     """
@@ -185,7 +185,7 @@ def tabulate_asperity_contacts(contacts: Contacts, body: Profile | Surface) -> C
 
 
 def compute_steep_contact_load_fraction(table: ContactList, slopes: PairSlopeStatistics) -> dict[str, float]:
-    """Return, for each body, the fraction of the load on contacts steeper than 90 % of the body's grid points."""
+    """Return, for each body, the load fraction on contacts that are steeper than 90 % of the body's grid points."""
     magnitude = np.hypot(table.slope_x, table.slope_y)
     total_load = table.force.sum()
     return {

@@ -144,7 +144,7 @@ def _can_be_copied() -> bool:
 
 
 def _send_value(function: Callable[[], Any], receiver: Connection, sender: Connection) -> None:
-    """In a forked process, call a function and send its value to the original; exit silently on error or Ctrl-C.
+    """Call a function in a forked process, and send its value to the parent. Exit silently on an error or Ctrl-C.
 
     The forked process also ends if the original process is killed.
     """
@@ -231,7 +231,7 @@ def progress_bar(
 
 
 def _may_show_progress_bar() -> bool:
-    """Return whether a progress bar may be visible, on a terminal (standard error) or in a notebook.
+    """Return whether a progress bar may be visible on a terminal (standard error) or in a notebook.
 
     If True is returned, `rich` decides. Its import takes 50 ms.
     """

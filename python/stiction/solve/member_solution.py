@@ -103,7 +103,7 @@ def solve_at_loads(
     study: Study, upper: Profile | Surface, lower: Profile | Surface, *, record: SolutionRecord | None = None,
     computes_unloading: bool = False, computes_elastic_area: bool = False,
 ) -> ArraysByName:  # fmt: skip
-    """Solve the contact of two bodies at a study's loads; return contact statistics and sums of forces and areas.
+    """Solve the contact of two bodies at a study's loads, and return force and area sums and contact statistics.
 
     Only measured bodies have contact statistics. Arrays that depend on the motion have the shape (rules, directions,
     loads); all others have the shape (loads,). At loads for which the solver fails, values are NaN and the number of
@@ -152,7 +152,7 @@ def _build_unsolved_values(name: str, motion_shape: tuple[int, int], num_loads: 
 
 
 def _list_profile_directions(contact: CommonContactSettings) -> list[ShearDirection]:
-    """Return the directions in which profiles move according to a section `[contact]`: "+x", "-x" or both."""
+    """Return the directions of motion of profiles in a section `[contact]`: "+x", "-x" or both."""
     return ["+x" if math.cos(math.radians(angle)) > 0 else "-x" for angle in contact.direction_angles()]
 
 
@@ -295,7 +295,7 @@ def _solve_asperities(
 
 
 def precompute_candidates(upper: Any, lower: Any, max_approach: float, model: ContactModel) -> tuple[Any, ...]:
-    """Find all contact candidates of two bodies up to an approach (µm) in advance, for use by later calls.
+    """Find all contact candidates of two bodies up to an approach (µm), so that later calls need not search again.
 
     Returns the candidates, or both bodies unchanged if contacts are not detected as minima of the gap.
     """
@@ -424,7 +424,7 @@ _reusable_arrays = threading.local()
 
 
 def compute_member_arrays(study: Study, index: int, record: SolutionRecord | None = None) -> ArraysByName:
-    """Compute all variables of one member at all loading steps; the arrays have no axis for members.
+    """Compute all variables of one member at all loading steps, as arrays without an axis for members.
 
     The half-space model reports its iterations and its finished loads to the record.
 
@@ -489,7 +489,7 @@ def estimate_member_time(study: Study, member: int | None = None) -> float:
 def sum_over_members(
     estimate: Callable[[Study, int | None], float], study: Study, member_ranges: Iterable[range]
 ) -> float:
-    """Sum estimates of time, or of solver iterations, over the members in several ranges."""
+    """Sum an estimate, such as computing time or solver iterations, over all members in several index ranges."""
     value_of_most_members, total = estimate(study, None), 0.0
     early_members = _find_members_with_additional_work(study)
     for members in member_ranges:
@@ -500,7 +500,7 @@ def sum_over_members(
 
 
 def estimate_thread_time_factor(study: Study) -> float:
-    """Estimate how many times longer the computation of a member takes if other threads compute as well.
+    """Estimate the factor by which the computing time of a member grows if other threads compute as well.
 
     The factor was measured without adhesion.
     """
@@ -510,7 +510,7 @@ def estimate_thread_time_factor(study: Study) -> float:
 
 
 def estimate_member_iterations(study: Study, member: int | None = None) -> float:
-    """Estimate the total number of solver iterations for one member in the half-space model, over all its loads.
+    """Estimate the total number of solver iterations for all loads of one member in the half-space model.
 
     Without adhesion, the number includes the iterations by which `HalfSpaceCurve` counts stiffnesses. `member` is the
     index of the member as in `estimate_member_time`.
@@ -525,14 +525,14 @@ def estimate_member_iterations(study: Study, member: int | None = None) -> float
 
 
 def _estimate_iteration_growth(study: Study) -> float:
-    """Estimate the ratio of solver iterations per load to `ITERATIONS_PER_LOAD`, for contacts without adhesion."""
+    """Estimate the factor by which a contact without adhesion exceeds `ITERATIONS_PER_LOAD` solver iterations."""
     if not study.is_areal:
         return 1.0
     return math.pow(max(1.0, count_grid_points(study) / MAX_POINTS_OF_TYPICAL_ITERATIONS), ITERATION_GROWTH_EXPONENT)
 
 
 def _estimate_additional_work(study: Study, member: int | None) -> float:
-    """Estimate the work for a member's elastic area and unloading stiffness, in contact solutions per load.
+    """Estimate the work for a member's elastic area and unloading stiffness, as a number of contact solutions per load.
 
     For lines, the time of a solution includes the unloading stiffness, which all members have.
     """
@@ -547,7 +547,7 @@ def _estimate_additional_work(study: Study, member: int | None) -> float:
 
 
 def _find_members_with_additional_work(study: Study) -> range:
-    """Return a range with all members whose elastic area or unloading stiffness must be computed.
+    """Return an index range that contains all members whose elastic area or unloading stiffness must be computed.
 
     The range may contain other members.
     """
@@ -613,7 +613,7 @@ def _estimate_elasticity_to_adhesion_ratio(study: Study) -> float:
 def _solve_generated_member(
     study: Study, repetition: int, record: SolutionRecord | None
 ) -> Iterator[tuple[Any, ArraysByName]]:
-    """Compute forces and areas, summed over contacts, of a generated member at each fractal dimension and amplitude.
+    """Compute forces and areas of a generated member, summed over contacts, at each fractal dimension and amplitude.
 
     Yields the indices of one or several cells with their contact sums.
     """
@@ -638,7 +638,7 @@ def _solve_generated_member(
 
 
 def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile | Surface) -> ArraysByName:
-    """Compute forces and areas summed over contacts of two bodies at a study's approaches, in the asperity model."""
+    """Compute forces and areas, summed over the contacts of two bodies in the asperity model, at each approach."""
     steps, models = _list_loading_steps(study.contact), _list_contact_models(study.contact)
     bodies: Any = upper, lower
     if isinstance(upper, Surface):
@@ -656,7 +656,7 @@ def _solve_at_approaches(study: Study, upper: Profile | Surface, lower: Profile 
 
 
 def _compute_onsets(study: Study, curve: LoadCurve) -> ArraysByName:
-    """Compute, at each approach, the tangential stiffness, displacement at sliding and slipped load fraction.
+    """Compute the tangential stiffness, the displacement at sliding and the slipped load fraction at each approach.
 
     The bodies move in the first direction of the section `[contact]`.
     """
@@ -720,7 +720,7 @@ def _solve_profile_batches(study: Study, repetition: int) -> Iterator[tuple[slic
 
 
 def _get_reused_array(shape: tuple[int, ...]) -> Floats:
-    """Return an uninitialised array of this thread, reused in all its tasks to save the time of allocation.
+    """Return an uninitialised array that a thread reuses in all its tasks, to save the time of allocation.
 
     The array is aligned to cache lines of the processor, so that vector writes do not cross cache lines.
     """
@@ -738,7 +738,7 @@ def _get_reused_array(shape: tuple[int, ...]) -> Floats:
 def _solve_measured_member(
     study: Study, index: int, arrays: ArraysByName, record: SolutionRecord | None
 ) -> Iterator[tuple[int, ArraysByName]]:
-    """Compute contact statistics, and forces and areas summed over contacts, of one measured member at each cutoff.
+    """Compute contact statistics and sums of forces and areas of one measured member at each cutoff.
 
     Yields the index of each cutoff with its contact sums. Writes the coordinates of the member to `arrays`.
     """
@@ -762,7 +762,7 @@ def _solve_measured_member(
 
 
 def find_elastic_members(study: Study) -> range:
-    """Return the indices of the members that are solved a second time without yielding, for the elastic area."""
+    """Return the indices of the members that are solved again without yielding, to compute their elastic area."""
     count = NUM_ELASTIC_PROFILE_MEMBERS
     if study.is_areal:
         is_large = count_grid_points(study) >= MIN_LARGE_MAP_POINTS

@@ -82,7 +82,7 @@ class MemberSums:
 
     @property
     def head(self) -> xarray.Dataset:
-        """Dataset with coordinates and attributes of the result; it need not contain all members.
+        """Dataset with the coordinates and attributes of the result, and with the sums of at least one member.
 
         For a stored result, the dataset contains the sums of the first finished member only. Raises a `StoreError` if
         no member is finished.
@@ -132,7 +132,7 @@ class MemberSums:
             yield selected_dataset.isel(repetition=slice(piece_start, piece_start + piece_size))
 
     def means(self, names: Iterable[str]) -> xarray.Dataset:
-        """Return means of variables over all solved members at each loading step; NaN where no member was solved.
+        """Return means of variables over all solved members at each loading step, or NaN where no member was solved.
 
         Only one piece of the result is in memory at a time.
         """
@@ -183,7 +183,7 @@ class MemberSums:
         return share_read_only(self._companions[read])  # type: ignore[no-any-return]
 
     def compute_once(self, compute: Callable[[Self], _Value]) -> _Value:
-        """Return `compute(self)`. The value is computed in the first call with this function, and then cached.
+        """Return `compute(self)`, which is computed in the first call with the function `compute` and then cached.
 
         The arrays of datasets are read-only.
         """

@@ -75,7 +75,7 @@ class MembersInProgress:
         return self._estimate_mean_iterations() if self._estimate_mean_iterations else 0.0
 
     def _get_work(self, member: int) -> float:
-        """Return the expected iterations of a member, divided by the mean over all members to be computed."""
+        """Return the expected iterations of a member, divided by their mean over all members to be computed."""
         return self._estimate_iterations(member) / self._mean_iterations if self._mean_iterations else 1.0
 
     @cached_property
@@ -103,7 +103,7 @@ class MembersInProgress:
             remove_stored_steps(self._directory, members)
 
     def estimate_progress(self) -> float:
-        """Estimate the finished work minus the number of finished members, in units of a member's mean work.
+        """Estimate the finished work, in units of a member's mean work, and subtract the number of finished members.
 
         The first members take more work than the others. When they are finished, more work is finished than their
         number says; this excess is 0 when all members are finished.
@@ -162,7 +162,7 @@ def find_members_in_progress(directory: Path) -> set[int]:
 
 
 def find_steps_with_other_keys(directory: Path, member: int, key: str) -> list[Path]:
-    """Return the directories with stored steps of a member whose key (a checksum) differs from `key`.
+    """Return the directories with a member's stored steps that have another key (a checksum) than `key`.
 
     Such steps belong to other inputs, other software or another machine.
     """
@@ -202,7 +202,7 @@ def _list_member_directories(directory: Path) -> list[tuple[int, Path]]:
 
 
 class _StoredRecord(SolutionRecord):
-    """Record that stores the finished steps of a member in a directory, from which a later run can resume."""
+    """Record that stores the finished steps of a member in a directory, so that a later run can resume the member."""
 
     def __init__(self, directory: Path) -> None:
         super().__init__()

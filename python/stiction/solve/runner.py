@@ -137,7 +137,7 @@ def compute_missing_blocks(
 def prepare_result_directory(
     study: Study, directory: str | Path, claim: DirectoryClaim, part: tuple[int, int] | None = None
 ) -> StoredResult:
-    """Create or open the result directory of a study, and claim the directory for this run.
+    """Create or open the result directory of a study, and reserve the directory for this run.
 
     Raises the errors of `compute_missing_blocks`.
     """
@@ -273,7 +273,7 @@ def _compute_blocks(
 
 @contextlib.contextmanager
 def _create_run_token(path: Path) -> Iterator[SharedResultDirectory]:
-    """Mark the run as active by a file in the result directory, yield the directory, and remove the file.
+    """Mark a run as active by a file in its result directory. The file exists until the end of the `with` block.
 
     If a worker finds the token file, the worker can access the directory, and the run is still active.
     """
@@ -340,7 +340,7 @@ LONG_RUN_TIME = 600.0  # s, on all threads
 def _describe_remaining_work(
     stored_result: StoredResult, unfinished_members: _UnfinishedMembers, is_visible: bool, workers: int
 ) -> str:
-    """Describe the remaining members, time and files in one line, and the free disk space if it may be too small."""
+    """Describe the remaining members, time and files in one line, with the free disk space if it may be too small."""
     study = stored_result.study
     free_bytes = shutil.disk_usage(stored_result.path).free
     num_files = sum(1 for _ in unfinished_members)
@@ -393,7 +393,7 @@ def _format_revised_time_estimate(
 
 
 class _UnfinishedMembers:
-    """Ranges of members that a run still has to compute; no range extends beyond a block of members."""
+    """Ranges of members that a run still has to compute, each within a single block of members."""
 
     def __init__(self, stored_result: StoredResult, part: tuple[int, int] | None) -> None:
         num_members = stored_result.study.ensemble.repetitions

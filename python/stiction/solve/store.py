@@ -107,7 +107,7 @@ class StoreError(ValueError):
 
 @dataclass(frozen=True)
 class BlockFile:
-    """Block file of a result; its name contains the first and the last member and a checksum of the content."""
+    """Block file of a result. Its name contains the first member, the last member and a checksum of the content."""
 
     first: int
     last: int
@@ -168,7 +168,7 @@ class StoredResult:
 
     @cached_property
     def version(self) -> str:
-        """Version of stiction that computed the first block; without stored blocks, the version in use."""
+        """Version of stiction that computed the first block or, if no block is stored, the version in use."""
         return self.first_block_content.version if self.blocks else __version__
 
     @cached_property
@@ -222,7 +222,7 @@ class StoredResult:
         return self._read_member_range(0, 1)
 
     def pieces(self, names: Iterable[str] | None = None) -> Iterator[xarray.Dataset]:
-        """Yield the finished members in groups; only one group is in memory at a time (see `Result.pieces`)."""
+        """Yield the finished members in groups, so that only one group is in memory at a time."""
         selected_names, count = None if names is None else list(names), self.num_finished
         for piece_start in range(0, count, self._members_per_piece):
             piece = (
@@ -279,7 +279,7 @@ class StoredResult:
         return build_dataset(self.study, member_numbers, arrays, bodies, names).assign_attrs(stiction_version=version)
 
     def _read_arrays(self, block: BlockFile, names: Collection[str]) -> ArraysByName:
-        """Read the named arrays from a block of members. All arrays are read and checked in the first call for a block.
+        """Read the named arrays from a block of members. The first call for a block reads and checks all of its arrays.
 
         The first call for a block checks the whole block. Later calls read only the arrays in `names`, unless the block
         is in memory.
@@ -297,11 +297,11 @@ class StoredResult:
 
     @cached_property
     def _checked_blocks(self) -> set[BlockFile]:
-        """Block files that were read and checked, so that single variables can be read without another check."""
+        """Block files that were read and checked. Single variables of these files can be read without another check."""
         return set()
 
     def _read_block(self, block: BlockFile) -> BlockFileContent:
-        """Read a block file, check it against the checksum and the members in its name, and return the content."""
+        """Read a block file, check its checksum and member numbers against the file name, and return its content."""
         with self._convert_read_errors(block):
             file_content = self._read_block_bytes(block)
             if zlib.crc32(file_content) != block.checksum:
@@ -569,7 +569,7 @@ def _read_study_file(path: Path) -> Study:
 
 
 def create_or_open_result(path: str | Path, study: Study, claim: DirectoryClaim | None = None) -> StoredResult:
-    """Create the result of a study in a directory, or open the result of this study if it is already there.
+    """Create the result of a study in a directory, or open it if the directory already contains it.
 
     Stale partial files are removed. The claim of the run, if given, is acquired, so that no other study can use the
     directory. Raises a `StoreError` if the directory cannot be written, contains another study, is in use by a run of
@@ -626,7 +626,7 @@ def _format_study_file_header(text: str) -> str:
 
 
 def remove_result(stored_result: StoredResult, claim: DirectoryClaim) -> None:
-    """Remove the files of a result, such as the study file and the block files, from its directory; keep other files.
+    """Remove the files of a result, such as the study file and the block files, from its directory, but no other files.
 
     Raises a `StoreError` if the study file was written or edited by hand, or if another run uses the directory.
     """
@@ -643,7 +643,7 @@ def remove_result(stored_result: StoredResult, claim: DirectoryClaim) -> None:
 
 
 def _check_resumable(stored_result: StoredResult) -> None:
-    """Raise a `StoreError` if a result cannot be completed with this study, stiction or NumPy version, or machine."""
+    """Raise a `StoreError` if this study, stiction version, NumPy version or machine cannot complete a result."""
     if not stored_result.blocks:
         return
     path, content, num_members = (
@@ -848,7 +848,7 @@ def encode_members(study: Study, numbers: Sequence[int], arrays: Mapping[str, ND
 
 @functools.lru_cache(maxsize=4)
 def _encode_block_of_zeros(study: Study, count: int) -> bytes:
-    """Return a block file of `count` members, with all numbers 0, as bytes that serve as a template.
+    """Return the bytes of a block file of `count` members in which all numbers are 0, for use as a template.
 
     Copying a template is much faster than writing a new file, because names and units take longer to write than values.
     """
@@ -862,7 +862,7 @@ def _encode_block_of_zeros(study: Study, count: int) -> bytes:
 
 
 def import_dataset_packages() -> None:
-    """Import the packages that encode blocks ahead of time, so that no finished block waits for the import.
+    """Import the packages that encode blocks, before the first block is finished and would wait for the import.
 
     The import takes 0.3 s, in which other threads compute. Only one thread imports at a time: if two threads import
     xarray, each may need a module that the other has not finished, and one import then fails.

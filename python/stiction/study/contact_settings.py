@@ -149,7 +149,7 @@ DERIVED_ELASTICITY_KEYS = ("effective_modulus", "compliance_share")
 
 
 def _repeat_single_value(value: Any) -> Any:
-    """Return a pair of values (upper, lower). A single value is used for both bodies."""
+    """Return a pair of values for the upper and the lower body. A single value is used for both."""
     values = tuple(value) if isinstance(value, (list, tuple)) else (value,)
     return 2 * values if len(values) == 1 else values
 
@@ -497,11 +497,11 @@ class AsperityModelSettings(CommonContactSettings):
     curvature: CurvatureSetting = "convex"
 
     def direction_arguments(self) -> dict[str, Any]:
-        """Return the arguments of `ContactModel` for the direction of motion; none are needed for measured surfaces."""
+        """Return the arguments of `ContactModel` for the direction of motion: none for measured surfaces."""
         return {}
 
     def contact_model(self, sliding: SlidingRule | None = None) -> ContactModel:
-        """Return the contact model for one sliding rule; by default, the first rule in the section."""
+        """Return the contact model for a sliding rule, by default for the first sliding rule in the section."""
         return ContactModel(
             effective_modulus=float(self.effective_modulus),
             law=self.law if isinstance(self.law, str) else self.law.law(), detection=self.detection,
@@ -690,7 +690,7 @@ def parse_contact_settings(
 
 
 def _add_loads_outside_range(given_loads: Floats, margin: float, num_loads: int) -> Floats:
-    """Return the given loads (mN) and a geometric series of loads that starts below and ends above all of them.
+    """Return the given loads (mN) and a geometric series of loads that extends below and above the given ones.
 
     The series has `num_loads` loads, from the smallest given load divided by `margin` to the largest times `margin`.
     Loads of the series that equal a given load are omitted.

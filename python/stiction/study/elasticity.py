@@ -133,7 +133,7 @@ def _combine_moduli(upper: float, upper_ratio: float, lower: float, lower_ratio:
 
 
 def _combine_materials(upper: str, lower: str) -> PairElasticity:
-    """Return the elastic constants of a pair of materials, and the hardness of the softer one.
+    """Return the elastic constants of a pair of materials, and the hardness of the softer material.
 
     The hardness is None if the softer material does not yield.
     """

@@ -111,7 +111,7 @@ class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
         return to_value_array(self.amplitude)
 
     def cell_coordinates(self) -> dict[str, Floats]:
-        """Return the fractal dimensions and amplitudes (µm) of the study; each combination of both is a cell."""
+        """Return the fractal dimensions and amplitudes (µm) of the study, each combination of which is a cell."""
         return {"fractal_dimension": self.fractal_dimensions(), "amplitude": self.amplitudes()}
 
 

@@ -385,7 +385,7 @@ def compute_effective_sample_size(log_weight: Floats) -> float:
 
 
 def draw_input_samples(inputs: Mapping[str, UncertainInput]) -> dict[str, Floats]:
-    """Draw `NUM_INPUT_SAMPLES` independent samples of each input, and return them keyed by input name."""
+    """Return `NUM_INPUT_SAMPLES` independent samples of each input, keyed by the name of the input."""
     points = generate_stratified_points(len(inputs))
     return {name: value.quantile(points[:, column]) for column, (name, value) in enumerate(inputs.items())}
 
@@ -553,7 +553,7 @@ def format_input_value(value: InputValue | None) -> Any:
 
 
 def _parse_single_value(name: str, values: Any, parse_list: Callable[[Any], Any]) -> Any:
-    """Parse mu0 or tau0 as a tuple of exact numbers, or as a tuple of one uncertain number."""
+    """Parse mu0 or tau0 to a tuple that contains exact numbers, or a single uncertain number."""
     items = list(values) if isinstance(values, (list, tuple)) else [values]
     if any(isinstance(item, InputValue) or (isinstance(item, str) and _is_uncertain(item)) for item in items):
         if len(items) > 1:

@@ -123,17 +123,17 @@ class Inputs:
 
     @property
     def uncertain(self) -> Mapping[str, StudyInput]:
-        """Inputs of the study that are not exact, by name."""
+        """Inputs of the study that are not exact, keyed by name."""
         return {name: entry for name, entry in self.entries.items() if not entry.estimate.is_exact}
 
     def estimate(self, name: str) -> UncertainInput | None:
-        """Return the distribution of the named input, or None if the study has no such input."""
+        """Return the distribution of an input, or None if the study has no such input."""
         entry = self.entries.get(name)
         return None if entry is None else entry.estimate
 
     @property
     def strength(self) -> InterfaceStrength | None:
-        """Joint distribution of mu0 and tau0 from the study's interface; None if the study has no interface.
+        """Joint distribution of mu0 and tau0 from the study's interface, or None if the study has no interface.
 
         The value is None if the study has no interface, or if the interface file is missing or changed.
         """
@@ -150,14 +150,14 @@ class Inputs:
         return FrictionLaw(mu0, tau0, growth.central, growth.estimate.uses_slip_lines)
 
     def central(self, name: str) -> float:
-        """Return the central value of the named input, in core units (GPa, or µm for a length).
+        """Return the central value of an input, in core units (GPa, or µm for a length).
 
         Contacts are computed with this value.
         """
         return self.entries[name].central
 
     def quantile(self, name: str, probability: ArrayLike) -> Floats:
-        """Return quantiles of the named input at given probabilities, in core units (GPa, or µm for a length)."""
+        """Return quantiles of an input at given probabilities, in core units (GPa, or µm for a length)."""
         return self.entries[name].estimate.quantile(probability)
 
     def relative_modulus(self, samples: Mapping[str, Floats]) -> Floats | float:
@@ -214,7 +214,7 @@ def _build_inputs(
 
 
 def _build_hardness_label(hardness: UncertainInput, materials: tuple[Material, ...]) -> str:
-    """Return the label of the hardness; the label names a material only if the hardness certainly belongs to it."""
+    """Return the label of the hardness, with a material's name if the hardness certainly belongs to this material."""
     label, softer_material = _LABELS["hardness"], softest_material(*materials)
     if softer_material is None:
         return label

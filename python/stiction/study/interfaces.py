@@ -125,7 +125,7 @@ _SCORE_COLUMN_PREFIX = "score of "
 
 
 def shared_input_name(name: str, estimate: UncertainInput, pair_checksum: str) -> str:
-    """Return a name for an input such that equal names mean equal inputs in different tests and pairs.
+    """Return a name for an input. If two tests or pairs have the same name, their inputs are the same.
 
     Small contacts lose a larger fraction of their area than large ones, so another pair has another area loss.
     """
@@ -134,7 +134,7 @@ def shared_input_name(name: str, estimate: UncertainInput, pair_checksum: str) -
 
 
 def area_error_name(pair_checksum: str) -> str:
-    """Return the name of the relative error of a pair's true area, which all tests of this pair have in common."""
+    """Return the name of the relative error of a pair's true area. All friction tests of the pair share this error."""
     return f"area of {pair_checksum}"
 
 
@@ -144,7 +144,7 @@ ValueWithLimits = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class StrengthFit:
-    """Fit of mu0 and tau0 to friction tests under one sliding rule: samples of both, and the quality of the fit."""
+    """Fit of mu0 and tau0 to friction tests under one sliding rule: samples of mu0 and tau0, and quality of the fit."""
 
     sliding: SlidingRule
     # Chi-squared of the best fit, which has no meaning if the errors of the tests were not given.
@@ -174,7 +174,7 @@ class StrengthFit:
     area_per_load_of_tests: Floats = field(default_factory=lambda: np.empty(0))
 
     def resample(self, log_weights: Floats) -> StrengthFit:
-        """Return a copy of the fit with the same number of samples, drawn in proportion to their weights.
+        """Return a copy of the fit whose samples are drawn from the present samples in proportion to their weights.
 
         `log_weights` are the logarithms of the weights, which need no common scale. The fits at bounds are unchanged.
         """
@@ -344,7 +344,7 @@ class InterfaceStrength:
         return cls((fit,), math.nan, math.nan, separated=True, about={"name": str(name_or_path), **description})
 
     def __repr__(self) -> str:
-        """Return a text with mu0 + tau0 A/F. If the tests separate mu0 from tau0, it also lists mu0 and tau0."""
+        """Return a text with mu0 + tau0 A/F and, if the tests separate mu0 from tau0, with mu0 and tau0."""
         labelled_intervals = [("mu0 + tau0 A/F", self.identified, "")]
         if self.separated:
             tau0, low, high = (1e3 * value for value in self.tau0)
@@ -383,7 +383,7 @@ class InterfaceStrength:
 
     @property
     def identified(self) -> ValueWithLimits:
-        """Sum mu0 + tau0 A/F at the A/F of the friction tests, with its 95 % interval. The tests determine this sum.
+        """Value of mu0 + tau0 A/F at the A/F of the friction tests, which determine this sum, with its 95 % interval.
 
         A/F is the true area per load of the tests. The value is NaN if A/F is unknown.
         """
@@ -416,7 +416,7 @@ class InterfaceStrength:
 
     @cached_property
     def sampled_fits(self) -> tuple[tuple[StrengthFit, float], ...]:
-        """Fits of the interface to the tests, each with the probability that its interval must cover.
+        """Fits of the interface to friction tests, each with the coverage (a probability) of the fit's interval.
 
         Intervals of the interface cover the intervals of all these fits. The coverage is 95 % for the first fit. For
         the fits with mu0 = 0 and with tau0 = 0, the coverage decreases with the probability of these values; fits that
@@ -456,7 +456,7 @@ class InterfaceStrength:
 
     @property
     def excluded(self) -> tuple[SlidingRule, ...]:
-        """Sliding rules that the friction tests contradict. Empty if the tests agree with no rule."""
+        """Sliding rules that the friction tests contradict, or no rules if the tests agree with none of them."""
         accepted_rules = [fit.sliding for fit in self.fits if fit.probability > ERROR_SCALING_P_VALUE_LIMIT]
         return tuple(fit.sliding for fit in self.fits if fit.probability < EXCLUSION_P_VALUE_LIMIT and accepted_rules)
 
@@ -473,14 +473,14 @@ class InterfaceStrength:
 
     @property
     def junction_growth(self) -> UncertainInput | None:
-        """Junction growth α in the tests; None if tests differ in α, or if α affects no test."""
+        """Junction growth α in the tests, or None if tests differ in α or if α affects no test."""
         if JUNCTION_GROWTH_HEADER_ENTRY not in self.about:
             return None
         median = float(f"{np.median(self.fits[0].junction_growth):.4g}")
         return replace(parse_study_input("junction_growth", self.about[JUNCTION_GROWTH_HEADER_ENTRY]), value=median)
 
     def has_equal_junction_growth(self, growth: UncertainInput | None) -> bool:
-        """Return whether a distribution of the junction growth α equals the one assumed for the friction tests.
+        """Return whether a distribution of the junction growth α equals the distribution in the friction tests.
 
         The value None of `growth` stands for α = 0.
         """
@@ -503,7 +503,7 @@ def has_growth_of_tests(growth: UncertainInput | None, test_growth: UncertainInp
 
 
 def compute_coverage_at_bound(values: Floats) -> float:
-    """Return the coverage of the interval for a fit with mu0 = 0 (or tau0 = 0), from samples of the free fit.
+    """Return the interval coverage for a fit with mu0 = 0 (or tau0 = 0), from samples of the unconstrained fit.
 
     The samples are those of mu0 (or tau0) in a fit in which this parameter is free.
 
@@ -662,7 +662,7 @@ def _build_strength_fit(sliding: Any, mu0: Any, tau0: Any, *other_samples: Any) 
 
 
 def _estimate_fits_at_bounds(fit: StrengthFit) -> dict[str, StrengthFit]:
-    """Estimate the fits with mu0 = 0 and with tau0 = 0 that an older interface file does not contain.
+    """Estimate the fits with mu0 = 0 and with tau0 = 0, which older interface files do not contain.
 
     The other coefficient is shifted so that the sum mu0 + tau0 A/F at the A/F of the tests does not change.
     """
@@ -726,7 +726,7 @@ def _published_interfaces() -> dict[str, dict[str, str]]:
 
 
 def read_interface_entries(path: str | Path) -> dict[str, dict[str, str]]:
-    """Return the entries (kind, mu0, tau0, ...) of an interface file or of a directory's files, keyed by file name.
+    """Return the entries (kind, mu0, tau0, ...) of an interface file, or of each such file in a directory, by its name.
 
     Files of other kinds in the directory are ignored.
     """
@@ -801,7 +801,7 @@ class InterfaceSettings(SettingsSection):
         })  # fmt: skip
 
     def find_current_entry(self) -> InterfaceSettings | None:
-        """Return the study entry for the current interface file; None if it is unreadable or has other mu0 or tau0.
+        """Return the study entry of the interface file, or None if the file is unreadable or has other mu0 or tau0.
 
         A changed file has other central values of mu0 or tau0. The ranges are not compared, because the rule for
         intervals of a fit depends on the version of the program that stored the entry.
@@ -824,7 +824,7 @@ class InterfaceSettings(SettingsSection):
 
     @property
     def caveats_of_missing_file(self) -> dict[str, str] | None:
-        """Stored caveats of the friction tests if the interface file is missing; otherwise None.
+        """Caveats of the friction tests that the study stores, if the interface file is missing; otherwise None.
 
         None also if no caveats are stored. The caveats are unknown if the file has changed, or if an older
         version of the program stored this section.

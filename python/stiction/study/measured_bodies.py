@@ -265,7 +265,7 @@ class MeasuredBodySettings(SettingsSection):
         return cls(file=name, sha256=_compute_checksum(body), body=BodyInMemory(body))
 
     def with_saved_bodies(self, directory: Path, side: str) -> MeasuredBodySettings:
-        """Write bodies in memory to files in a directory, and return a copy of the body that names these files."""
+        """Write the scans that are in memory to files, and return a copy of the body that refers to these files."""
         return self._apply_to_scans(lambda scan: scan._with_saved_body(directory, side))
 
     def _with_saved_body(self, directory: Path, side: str) -> MeasuredBodySettings:
@@ -359,7 +359,7 @@ class MeasuredBodySettings(SettingsSection):
 
     @property
     def bodies(self) -> list[Profile | Surface]:
-        """Profiles and height maps from the scans of the body; spectra are omitted.
+        """Profiles and height maps from the scans of the body, without spectra.
 
         Spectra are omitted.
         """

@@ -93,7 +93,7 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
         return float(self.cell_coordinates()["cut_off"][0])
 
     def get_scan_cut_offs(self, wavelength: float) -> ScanCutoffs:
-        """Return the cutoffs (µm) of all scans of both bodies; a scan's maximum cutoff replaces larger cutoffs."""
+        """Return the cutoff (µm) of each scan of both bodies: `wavelength`, or the scan's maximum cutoff if smaller."""
         upper, lower = (
             tuple(scan.select_cut_off_of_scan(wavelength) for scan in getattr(self, side).scans) for side in SIDES
         )
@@ -114,7 +114,7 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
         return len(self.upper.scans), len(self.lower.scans)
 
     def scan_indices_of_members(self, members: Any) -> tuple[Any, Any]:
-        """Return two indices for each member: those of the upper and the lower scan from which it is cut.
+        """Return two indices for each member: of the upper and of the lower scan from which the member is cut.
 
         Successive members use all combinations of upper and lower scans in turn.
         """
@@ -125,7 +125,7 @@ class CommonMeasuredSurfaceSettings(SettingsSectionVariant):
     def build_member_source(
         self, scans: tuple[MeasuredBody, MeasuredBody], cut_offs: CutoffPair, seed: int
     ) -> MemberSource:
-        """Return a source of members, which are cut from two scans after low-pass filtering at `cut_offs` (µm).
+        """Return a source of members that are cut from two scans after low-pass filtering at `cut_offs` (µm).
 
         Raises a `ValueError` if the scans form no members.
         """

@@ -106,7 +106,7 @@ class MemberSource(Protocol):
         """
 
     def find_shared_properties(self) -> SharedMemberProperties:
-        """Return what all members have in common: bodies, nominal area and grid."""
+        """Return the bodies, the nominal area and the grid that all members have in common."""
 
 
 MAX_CACHED_LINE_PAIRS = 4
@@ -170,7 +170,7 @@ class LineMemberSource:
         )
 
     def find_shared_properties(self) -> SharedMemberProperties:
-        """Return what all members have in common: profiles, nominal area and grid."""
+        """Return the profiles, the nominal area and the grid that all members have in common."""
         slider, counterface = self.pairs.pair(0)
         return _find_properties_shared_by_line_members(slider, counterface, len(slider) / len(counterface), self.scans)
 
@@ -178,7 +178,7 @@ class LineMemberSource:
 def _find_properties_shared_by_line_members(
     slider: Profile, counterface: Profile, used_fraction: float, scans: tuple[Any, Any]
 ) -> SharedMemberProperties:
-    """Return what all members of a study of profiles have in common: profiles, nominal area and grid.
+    """Return the profiles, the nominal area and the grid that all members of a study of profiles have in common.
 
     `used_fraction` is the fraction of the upper scan that the slider covers.
     """
@@ -192,7 +192,7 @@ def build_map_pairs(
     upper: Surface, lower: Surface, level: SurfaceTrend, seed: int, *, rotation: float = 0.0,
     shifts: tuple[tuple[float, float], ...] | None = None,
 ) -> MapPairs:  # fmt: skip
-    """Level two height maps, flip the upper one, and return a source of members: pairs of overlapping pieces.
+    """Level two height maps, flip the upper map, and return a source of members: pairs of overlapping map pieces.
 
     The upper map is also rotated by an angle in degrees.
     """
@@ -230,7 +230,7 @@ class MapMemberSource:
         return EnsembleMember(pairs.pair(shift_index), *pairs.map_shift(shift_index))
 
     def find_shared_properties(self) -> SharedMemberProperties:
-        """Return what all members have in common: height maps, nominal area and grid."""
+        """Return the height maps, the nominal area and the grid that all members have in common."""
         pairs = self.pairs
         scans: Sequence[Any] = self.scans
         # The shortest wavelength of a scan is two grid spacings.

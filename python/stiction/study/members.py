@@ -225,7 +225,7 @@ class PreparedBodies:
         self._locks: dict[tuple[float, int, int], threading.Lock] = {}
 
     def members(self, wavelength: float, upper: int = 0, lower: int = 0) -> MemberSource:
-        """Return an object that provides the surface pairs of two scans, which are low-pass filtered at a cutoff (µm).
+        """Return an object that provides pairs of surfaces from two scans after low-pass filtering at a cutoff (µm).
 
         A cutoff of 0 stands for no filter. If several threads need the same members, one thread filters the scans, and
         the others wait. Raises a `ValueError` if the scans form no members.
@@ -242,7 +242,7 @@ class PreparedBodies:
         return surfaces.build_member_source(scan_pair, (upper_cutoff, lower_cutoff), self._seed)
 
     def member(self, index: int, wavelength: float) -> EnsembleMember:
-        """Return the surface pair `index`; its scans are low-pass filtered at `wavelength` (µm, 0 for no filter)."""
+        """Return the surface pair `index` of scans that are low-pass filtered at `wavelength` (µm, 0 for no filter)."""
         surfaces = self._surfaces
         # Within a scan pair, members are numbered from 0, except surrogates, whose number in the study is their seed.
         has_surrogates = surfaces.press == "surrogates" or getattr(surfaces, "replace", "none") != "none"
@@ -276,7 +276,7 @@ class PreparedBodies:
 
     @cached_property
     def _pressed_bodies(self) -> list[Profile | Surface]:
-        """First scan of each body, low-pass filtered; the list is empty for a measured gap, or for spectra.
+        """Low-pass filtered first scan of each body, in a list that is empty for a measured gap or for spectra.
 
         The members of a study are cut from these and any further scans.
         """
@@ -287,7 +287,7 @@ class PreparedBodies:
 
     @cached_property
     def _lay_attributes(self) -> dict[str, Any]:
-        """Lay ratio of each map (rms slope across the lay over rms slope along it), as attributes of a result.
+        """Lay ratio of each map as attributes of a result: rms slope across the lay over rms slope along the lay.
 
         Empty unless both maps have a lay.
         """
@@ -299,7 +299,7 @@ class PreparedBodies:
 
     @cached_property
     def _drift_attributes(self) -> dict[str, Any]:
-        """Attributes of a result: roughness drift along the scan of each body that has a single scan.
+        """Roughness drift along the scan, for each body that has a single scan, as attributes of a result.
 
         Each attribute contains the drift and the body's fraction of the mean square slope of the gap. A body without
         drift has no attribute.
@@ -316,7 +316,10 @@ class PreparedBodies:
         }
 
     def _find_measured_fraction(self) -> float:
-        """Return the fraction of the nominal area where both bodies have data (mean over the first surface pairs)."""
+        """Return the fraction of the nominal area in which both bodies have measured heights.
+
+        The fraction is a mean over the first surface pairs.
+        """
         if all(getattr(scan, "missing", None) is None for scans in self._scans_by_side for scan in scans):
             return 1.0
         measured_fractions = []
@@ -374,5 +377,5 @@ def check_scans_provide_all_members(study: Study) -> None:
 
 
 def find_body_attributes(study: Study) -> BodyAttributes:
-    """Return the attributes that a result stores about measured bodies; none for generated bodies."""
+    """Return the attributes of measured bodies that a result stores, or no attributes for generated bodies."""
     return read_measured_bodies(study).attributes if study.is_measured else BodyAttributes()

@@ -31,7 +31,9 @@ docs/howto/elastomers.md lists published cases.
 
 
 def find_default_area_loss(effective_modulus: float) -> str | None:
-    """Return the default range, as text, of the fraction of the true contact area that rubber loses under shear.
+    """Return the default range of the fraction of the true contact area that rubber loses under shear.
+
+    The range is a text, as in study files.
 
     Returns None if E* (GPa) is too large for rubber.
     """
@@ -61,7 +63,7 @@ class UncertainModulus:
 
     @property
     def all_inputs(self) -> dict[str, UncertainInput]:
-        """Elastic constants that were given, exact or uncertain, keyed by name, such as "young_upper"."""
+        """Elastic constants that the user gives, exact or uncertain, keyed by name, such as "young_upper"."""
         sides = SIDES[:1] if self.is_one_material else SIDES
         inputs = {
             f"{name}_{side}": body[name]
@@ -109,7 +111,7 @@ def parse_elasticity(
     effective_modulus: Any = None, young: Any = None, poisson: Any = None, upper_material: str | None = None,
     lower_material: str | None = None,
 ) -> tuple[PairElasticity, UncertainModulus]:  # fmt: skip
-    """Parse a pair's elastic constants, and return the central values of the constants and E* with its uncertainty.
+    """Parse a pair's elastic constants; return their central values, and E* with its uncertainty.
 
     The arguments have the meanings of `determine_elasticity`, but may be ranges or have an uncertainty. Raises a
     `ValueError` if arguments are missing, contradictory or invalid.

@@ -239,7 +239,7 @@ def has_two_profiles(pair: PairProperties) -> bool:
 
 @make_condition("is for two profiles that are pressed as lines; other bodies have a nominal area")
 def presses_profiles_as_lines(pair: PairProperties) -> bool:
-    """Return whether both bodies are profiles that are pressed as lines, instead of surrogate maps of the profiles."""
+    """Return whether both bodies are profiles that are used directly, instead of surrogate maps of the profiles."""
     return pair.are_profiles and pair.press_mode == "lines"
 
 
@@ -269,37 +269,37 @@ def has_no_spectrum(pair: PairProperties) -> bool:
 
 @make_condition("is for surfaces and surrogates; two profiles are one pair")
 def has_several_line_pairs(pair: PairProperties) -> bool:
-    """Return whether a pair can provide several pairs of lines: its bodies are maps, or surrogates of profiles."""
+    """Return whether the bodies contain several pairs of lines: maps do, and so do surrogates of profiles."""
     return not pair.are_profiles or (pair.press_mode == "lines" and pair.has_surrogates)
 
 
 @make_condition("is for lines; for maps give {lines} as well")
 def presses_lines(pair: PairProperties) -> bool:
-    """Return whether profiles or single lines of maps are pressed, instead of whole maps."""
+    """Return whether the contact is computed for profiles, or for single lines of maps, instead of whole maps."""
     return pair.press_mode == "lines"
 
 
 @make_condition("is for lines of surfaces")
 def presses_lines_of_maps(pair: PairProperties) -> bool:
-    """Return whether lines of height maps are pressed."""
+    """Return whether the contact is computed for single lines of the height maps, instead of whole maps."""
     return pair.press_mode == "lines" and not pair.are_profiles
 
 
 @make_condition("is for the areas of two maps, without {lines}")
 def presses_areas(pair: PairProperties) -> bool:
-    """Return whether whole height maps are pressed, instead of surrogates or single lines of the maps."""
+    """Return whether the contact is computed for the whole measured maps, not for surrogates or single lines."""
     return pair.press_mode == "areas"
 
 
 @make_condition("is for areas; lines are always moved in both directions")
 def presses_maps_or_surrogates(pair: PairProperties) -> bool:
-    """Return whether whole maps or surrogates are pressed, instead of profiles or lines of maps."""
+    """Return whether the contact is computed for maps or surrogates, and not for profiles or single lines of maps."""
     return pair.press_mode != "lines"
 
 
 @make_condition("is for lines, or for the areas of two maps")
 def presses_scans(pair: PairProperties) -> bool:
-    """Return whether the scans are pressed against each other, instead of surrogates of the scans."""
+    """Return whether the contact is computed for the scans themselves, instead of surrogates of the scans."""
     return pair.press_mode != "surrogates"
 
 
@@ -311,13 +311,13 @@ def uses_default_positions(pair: PairProperties) -> bool:
 
 @make_condition("is for {surrogates}")
 def presses_surrogates(pair: PairProperties) -> bool:
-    """Return whether the study presses surrogates: random surfaces with the spectra of the scans."""
+    """Return whether the contact is computed for surrogates: random surfaces with the spectra of the scans."""
     return pair.has_surrogates
 
 
 @make_condition("must not be combined with {check}, which uses both contact models")
 def uses_one_contact_model(pair: PairProperties) -> bool:
-    """Return whether the options select a single contact model, without a check by the other model."""
+    """Return whether only one contact model is used: no option requests a check of the result by the other model."""
     return not pair.options.check
 
 
@@ -335,7 +335,7 @@ def has_half_space_result(pair: PairProperties) -> bool:
 
 @make_condition("is for {mechanics} half-space alone")
 def uses_only_half_space_model(pair: PairProperties) -> bool:
-    """Return whether only the half-space model is used, without a check by the asperity model."""
+    """Return whether the half-space model is used, and no check of the result by the asperity model is requested."""
     return pair.contact_models == ("half-space",)
 
 

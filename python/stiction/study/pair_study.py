@@ -110,7 +110,7 @@ class MeasuredPair:
         self._check_conditions(OPTION_CHECK_ORDER if reads_scans else ())
 
     def _check_conditions(self, names: Iterable[str]) -> None:
-        """Raise an `ArgumentError` if one of the named options is given, but does not apply to the pair.
+        """Raise an `ArgumentError` if an option among `names` is given, but does not apply to the pair.
 
         The error names the first option that does not apply.
         """
@@ -350,7 +350,7 @@ class MeasuredPair:
         return inputs
 
     def _parse_inputs(self, name: str) -> list[InputValue]:
-        """Parse the values that the user gives for an input of the study, such as one or more values of mu0.
+        """Parse the numbers that the user gives for one input of the study, for example several values of mu0.
 
         Numbers without a unit are in core units.
         """
@@ -360,7 +360,7 @@ class MeasuredPair:
         return [self._parse_input(name, value) for value in values]
 
     def _parse_single_input(self, name: str) -> InputValue:
-        """Parse an input of which a study has one value; the user must not give a list."""
+        """Parse an input of the study that must be a single number; the user must not give a list."""
         given_value = self.options.option_value(name)
         if len(split_values(given_value)) != 1:
             reject_decimal_commas(name, given_value)
@@ -429,7 +429,7 @@ class MeasuredPair:
         return values[0]
 
     def _get_central_option_value(self, name: str) -> Any:
-        """Return the value of an option, or the central value if the user gives the option with an uncertainty."""
+        """Return the value that the user gives for an option; if the value is uncertain, return its central value."""
         if name in ("mu0", "tau0") and self.given_interface is not None:
             return round_median_strength(self.given_interface)[name == "tau0"]
         if name == "tau0" and self.options.tau0 is None:
@@ -483,7 +483,7 @@ class MeasuredPair:
 
     @property
     def _profile_width(self) -> float:
-        """Width (µm) perpendicular to the profiles, over which a load that is given as a force is distributed."""
+        """Width (µm) perpendicular to the profiles; a load that the user gives as a force acts on this width."""
         width = self._parse_quantity("width", self.options.width)
         if not width > 0:
             raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.options.width))
@@ -495,7 +495,7 @@ class MeasuredPair:
 
     @cached_property
     def _given_loads(self) -> list[tuple[Quantity, bool]]:
-        """Loads that the user gives, as (number in mN, False) for a force or (number in GPa, True) for a pressure."""
+        """Loads that the user gives: (number in mN, False) for a force, and (number in GPa, True) for a pressure."""
         if not (loads := split_values(self.options.load)):
             raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.options.load))
         reject_decimal_commas("load", self.options.load)
@@ -530,7 +530,7 @@ class MeasuredPair:
 
     @property
     def remarks(self) -> list[str]:
-        """Remarks for the user about the materials and, for a gap, about the map of the gap."""
+        """Remarks for the user about the materials and, if a measured gap is given, about the gap map."""
         elasticity, remarks = self.elasticity, []
         if elasticity.source and self.options.hardness is None:
             remarks.append(f"{elasticity.source}, {elasticity.hardness_source}")
@@ -543,7 +543,7 @@ class MeasuredPair:
 
     @property
     def _friction_parameters(self) -> dict[str, Any]:
-        """Entries of the section `[friction]` for mu0 and tau0: exact numbers, an uncertain number, or an interface."""
+        """Entries of the study section `[friction]` for mu0 and tau0: exact or uncertain numbers, or an interface."""
         if self.given_interface is not None:
             name = str(self.options.interface)
             return {"interface": name if name in interfaces() else str(Path(name).resolve())}
@@ -604,7 +604,7 @@ class MeasuredPair:
 
     @cached_property
     def _filter_settings(self) -> dict[str, Any]:
-        """Entries of the section `[surfaces]` that filter scans whose short wavelengths may be instrument noise.
+        """Entries of the study section `[surfaces]` for low-pass filters of scans whose short wavelengths may be noise.
 
         The study then has two cutoffs: one without a filter, and one at which each scan is filtered at its own cutoff.
         The filtered scans come first and give the quoted result if the spectrum of one scan ends in the noise floor of
@@ -723,7 +723,7 @@ class MeasuredPair:
 
     @property
     def _elasticity_entries(self) -> dict[str, Any]:
-        """Entries of the section `[contact]` for the elastic constants: E*, or Young's moduli and Poisson's ratios."""
+        """Entries of the study section `[contact]` for elasticity: E*, or Young's moduli and Poisson's ratios."""
         elasticity, options = self.elasticity, self.options
         if options.effective_modulus is not None:
             return {"effective_modulus": self._parse_single_input("effective_modulus")}
@@ -750,7 +750,7 @@ class MeasuredPair:
 
     @property
     def _adhesion_entries(self) -> dict[str, Quantity]:
-        """Entries of the section `[contact]` for adhesion: the work of adhesion, and the range of the attraction.
+        """Entries of the study section `[contact]` for adhesion: the work of adhesion, and the range of the attraction.
 
         The work of adhesion and the range must be single values, because the contacts are computed only once.
         """
@@ -767,7 +767,7 @@ class MeasuredPair:
 
     @property
     def _junction_growth(self) -> InputValue | None:
-        """Factor by which shear enlarges contacts; None for contacts that cannot grow, unless the user sets the factor.
+        """Factor by which shear enlarges the true area; None if contacts cannot grow, and the user sets no factor.
 
         Contacts can grow if they yield and do not adhere. The default is the junction growth of the interface. Without
         an interface, contacts yield by slip lines, or do not grow (0) if a material to which slip-line theory does not
@@ -796,7 +796,7 @@ class MeasuredPair:
 
     @property
     def _can_yield_by_slip_lines(self) -> bool:
-        """True if the softer body is a metal, a polymer or unnamed, so that slip-line theory may apply.
+        """True if the softer body is a metal or a polymer, or has no named material: slip-line theory may apply.
 
         A given hardness may belong to either of two named materials.
         """
@@ -941,7 +941,7 @@ class MeasuredPair:
 
 
 def _build_growth_entry(estimate: UncertainInput) -> InputValue:
-    """Convert a junction growth factor to an entry of a study file: its central value and, if uncertain, its range."""
+    """Convert a junction growth factor to a study-file entry: its central value and, if it is uncertain, its range."""
     if estimate.is_exact:
         return parse_input_value("junction_growth", estimate.value)
     return parse_input_value("junction_growth", f"{estimate.value:.6g} ({estimate.text})")
@@ -1017,7 +1017,7 @@ def _list_scans(side: str, scan_input: Any) -> list[Any]:
 
 
 def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | NoiseHiddenInSpectrum | None:
-    """Return the wavelength limit of a scan's noise or, if it is negligible, the noise that the spectrum may hide."""
+    """Return the wavelength limit due to noise in a scan or, if there is none, the noise that its spectrum may hide."""
     body = scan.read()
     if isinstance(body, JoinedSpectrum) or body.is_flat:
         return None

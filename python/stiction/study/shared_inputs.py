@@ -114,7 +114,7 @@ def find_shared_inputs(
 def _find_tested_ranges(
     scores: Mapping[str, Floats], name: str, stated: UncertainInput, pair_checksum: str
 ) -> Iterator[SharedInput]:
-    """Yield a `SharedInput` for each range of an input in friction tests; it also contains the range in the pair."""
+    """Yield each range of an input in the friction tests, as a `SharedInput` that also contains the pair's range."""
     suffix = f" of {pair_checksum}" if name == "area_loss" else ""
     for score_name in scores:
         text = score_name.removeprefix(f"{name} ")
@@ -132,7 +132,7 @@ def _find_tested_ranges(
 
 
 def apply_ranges_of_pair(strength: InterfaceStrength, shared_inputs: Mapping[str, SharedInput]) -> InterfaceStrength:
-    """Resample the mu0 and tau0 of an interface for inputs whose ranges are narrower in the pair than in the tests.
+    """Resample an interface's mu0 and tau0 for inputs with narrower ranges in the pair than in the friction tests.
 
     Samples are selected in proportion to the ratio of the new to the old density of the inputs. They are then samples
     of the fit that the same tests would have given with the range of the pair.
@@ -172,7 +172,7 @@ def _compute_log_density(estimate: UncertainInput, values: Floats) -> Floats:
 
 
 def _combine_weights(log_weights: Sequence[Floats]) -> Floats:
-    """Combine the importance weights of all inputs into one weight per sample of (mu0, tau0); return its logarithm.
+    """Return the logarithm of the importance weight of each sample of (mu0, tau0), combined from all inputs.
 
     Weights of inputs are raised to powers below 1 until the effective number of samples is large enough. The power of
     the input that leaves the fewest samples is reduced, so that a much narrower range does not widen other ranges.

@@ -494,7 +494,7 @@ class Study(SettingsSection):
         return self.contact.step_quantity
 
     def contact_sum_names(self) -> tuple[str, ...]:
-        """Return the names of the quantities stored for each pair and loading step, such as sums over contacts."""
+        """Return the names of the quantities stored for each surface pair and loading step, such as the true area."""
         if self.uses_half_space:
             adhesion_names = ADHESION_QUANTITIES if self.contact.adheres else ()
             yielding_names = YIELDING_QUANTITIES if self.contact.yield_exponent is not None else ()
@@ -617,7 +617,7 @@ class Study(SettingsSection):
         return sections
 
     def _remove_replaced_entries(self, sections: Mapping[str, dict[str, Any]], changes: Mapping[str, Any]) -> None:
-        """Remove those keys of `[contact]` and `[friction]` that a newly given key replaces or rules out.
+        """Remove keys of the sections `[contact]` and `[friction]` that a newly given key replaces or rules out.
 
         E* replaces Young's moduli, but not `compliance_share`, and Young's moduli replace both. An interface replaces
         mu0 and tau0; a change of mu0 or tau0 replaces the interface, but not the other parameter.
@@ -640,7 +640,7 @@ class Study(SettingsSection):
     def _remove_dependent_loads(
         self, sections: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool
     ) -> None:
-        """Remove the loads from a study of generated surfaces if `changes` gives new loads that contradict them.
+        """Remove the loads from a study of generated surfaces if `changes` contains loads that contradict them.
 
         `friction.load` is removed if `contact.load` changes, or if the changed study has no `friction.load`. Otherwise,
         `contact.load` is removed if it has two loads more than `friction.load`, because validation added two loads, and
@@ -660,7 +660,7 @@ class Study(SettingsSection):
 
 
 def _convert_section(section: SettingsSection, target_class: type[SettingsSection]) -> dict[str, Any]:
-    """Convert a section to another section class; a key with the old class's default gets the new class's default.
+    """Convert a section to another section class, and replace defaults of the old class by defaults of the new one.
 
     Keys that differ from the default of the old class keep their values.
     """
@@ -742,7 +742,7 @@ def find_step_dimension(dataset: xarray.Dataset) -> str:
 def find_section_differences(
     first_section: SettingsSection, second_section: SettingsSection, prefix: str = ""
 ) -> list[StudyDifference]:
-    """List the keys in which two sections differ, in study file order, each with both values as text."""
+    """List the keys whose values differ between two sections, in study file order, with both values as text."""
     serialized, differences = (first_section.model_dump(), second_section.model_dump()), []
     for name in dict.fromkeys((*type(first_section).model_fields, *type(second_section).model_fields)):
         field = type(first_section).model_fields.get(name) or type(second_section).model_fields[name]
@@ -766,7 +766,9 @@ def find_section_differences(
 
 
 def find_member_differences(first_study: Study, second_study: Study) -> list[StudyDifference]:
-    """List the keys that differ between two studies and change the computed surface pairs, with both values as text.
+    """List the keys that have different values in two studies and affect the computed surface pairs.
+
+    Each key is listed with both values as text.
 
     Members depend on the central values of inputs, but not on the ranges. Members do not depend on the section
     `[friction]`, on the area loss under shear, on the depth of the indentation, on whether the lay was assumed, on
@@ -791,7 +793,7 @@ def find_member_differences(first_study: Study, second_study: Study) -> list[Stu
 
 
 def _have_equal_central_values(first_study: Study, second_study: Study, key: str) -> bool:
-    """Return whether a key denotes an input, such as the hardness, that has equal central values in two studies."""
+    """Return whether a key is that of an input, such as the hardness, with equal central values in two studies."""
     section, _, name = key.partition(".")
     values = [getattr(getattr(study, section), name, None) for study in (first_study, second_study)]
     inputs = [value if isinstance(value, tuple) else (value,) for value in values]

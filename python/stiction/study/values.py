@@ -54,7 +54,7 @@ parse_positive_length = _make_quantity_parser("length")
 
 
 def format_quantities(value: Any) -> Any:
-    """Format a quantity with its unit, or a number, as text; for a tuple, return a tuple of texts.
+    """Format a quantity with its unit (or a plain number) as text; for a tuple, return a tuple of texts.
 
     Other values are returned unchanged.
     """
@@ -340,7 +340,7 @@ LoadsOrRange = Annotated[
 
 
 def to_value_array(values: _ValueRange | tuple[float, ...]) -> Floats:
-    """Return as an array the numbers in a list, or the equally spaced numbers that a range describes."""
+    """Return the numbers in a list, or the numbers of a range with linear or geometric spacing, as an array."""
     return np.array(values, dtype=np.float64) if isinstance(values, tuple) else values.values()
 
 

@@ -1,1 +1,1 @@
-"""Coefficients to report, with caveats and an assessment that states whether a coefficient may be quoted."""
+"""Friction coefficients to report, with caveats and an assessment that states whether they may be quoted."""

@@ -322,7 +322,7 @@ def _build_contact_count_checks(study: Study) -> Sequence[LimitCheck]:
 
 
 def _build_contact_checks(study: Study) -> CheckGroups:
-    """Return the groups of checks that find caveats about contacts; the check of the pull-off force comes first."""
+    """Return groups of checks that give caveats about contacts; the first group checks the pull-off force."""
     text = "the pull-off force is a lower bound"
     if not study.is_gap:
         text += f": {{}} of the {study.member_names.plural} have only a bound"
@@ -341,14 +341,17 @@ def _build_status_caveat(status: str, study: Study) -> Caveat:
 
 
 def _growth_remedy_for_unnamed_materials(study: Study) -> str:
-    """Return advice for brittle bodies, for which slip-line theory does not hold; empty if the materials are named."""
+    """Return advice on junction growth if the bodies may be brittle; empty if the study names their materials.
+
+    Slip-line theory does not hold for brittle materials.
+    """
     return "" if find_materials(study) else "; for rock, glass or ceramics, use --junction-growth 0"
 
 
 def find_point_caveats(
     point: xarray.Dataset, study: Study, value: SlidingRuleCoefficient, status: str
 ) -> Iterator[Caveat]:
-    """Yield the caveats that follow from the status, the coefficient and the contacts at one load, mu0 and tau0."""
+    """Yield caveats about the status, the coefficient and the contacts at one load, one mu0 and one tau0."""
     contact_checks = _build_contact_checks(study)
     if is_unloaded(point):
         yield NO_COEFFICIENT_CAVEAT
@@ -387,7 +390,7 @@ def find_point_caveats(
 
 
 def find_smallest_check_limit(name: str, study: Study) -> float | None:
-    """Return the smallest number above which the quantity `name` gives a caveat about the contacts.
+    """Return the lowest limit above which the quantity `name` gives a caveat about the contacts.
 
     Returns None if no check compares this quantity.
     """
@@ -462,7 +465,7 @@ def _compute_checked_numbers(point: xarray.Dataset, study: Study, value: Sliding
 
 
 def build_pressure_checks(study: Study, modulus: float) -> CheckGroups:
-    """Return checks for caveats about contacts whose mean pressure exceeds the pressure at which the bodies yield.
+    """Return the checks that give a caveat if the mean contact pressure exceeds the pressure of yielding.
 
     The limits are the hardness of the softer body or, without a hardness, typical fractions of E*. Returns no checks if
     the contact model limits the pressure, or if the effective modulus (GPa) is so small that the bodies are probably
@@ -566,7 +569,7 @@ def assess_caveats(reasons: Iterable[Caveat | LimitCheck]) -> str:
 
 
 def _find_growth_caveats(point: xarray.Dataset, study: Study, status: str) -> Iterator[Caveat]:
-    """Yield caveats if junction growth is neglected, is not that of the friction tests, or makes friction unlimited."""
+    """Yield caveats if junction growth is neglected, differs from that in the tests, or makes friction unlimited."""
     hardness = study.contact.hardness
     if hardness is None or not (mean_over_directions(point, "load_share_at_hardness") > MIN_LOAD_FRACTION_AT_HARDNESS):
         return
@@ -613,7 +616,7 @@ def _is_metal(point: xarray.Dataset, study: Study) -> bool:
 
 
 def _is_hardened(point: xarray.Dataset, study: Study) -> bool:
-    """Return whether the hardness is so high that a metal has a smaller size effect than assumed."""
+    """Return whether a metal is so hard, relative to E*, that its size effect is smaller than assumed."""
     return effective_modulus_at(point, study) < MIN_MODULUS_TO_HARDNESS_RATIO * get_study_hardness(study)
 
 
@@ -643,14 +646,14 @@ class SizeEffect(NamedTuple):
 
     @property
     def hardness_text(self) -> str:
-        """Comparison of the hardnesses of small and large contacts, as in "2.2 times as hard as large ones"."""
+        """Text that compares the hardness of small and large contacts, such as "2.2 times as hard as large ones"."""
         ratio = self.hardness_ratio
         if ratio < MIN_HARDNESS_RATIO_IN_TEXT:
             return f"{format_percent(ratio - 1)} harder than large ones"
         return f"{ratio:.1f} times as hard as large ones"
 
     def at_load_ratio(self, load_ratio: float) -> SizeEffect:
-        """Estimate the size effect at another load, whose ratio to the present load is given.
+        """Estimate the size effect at another load, given the ratio of the other load to the present load.
 
         The number of contacts and the fraction of the load on contacts that yield are taken as constant. The true area
         is then proportional to the load, so that the depth is proportional to the square root of the load.
@@ -706,7 +709,7 @@ def _find_size_effect_caveats(point: xarray.Dataset, study: Study, value: Slidin
 
 
 def _find_loads_of_tested_pair(study: Study) -> tuple[float, ...]:
-    """Return the lowest and the highest load (mN) of the tests if the interface was fitted to tests of this pair alone.
+    """Return the lowest and the highest load (mN) of the friction tests if all of them tested this very pair.
 
     Returns an empty tuple for other interfaces, and for interface files without these loads. The pair must have been
     tested with the same hardness and without a depth of its indentation, as `is_tested_pair` ensures. A ball would have
@@ -721,7 +724,7 @@ def _find_loads_of_tested_pair(study: Study) -> tuple[float, ...]:
 def _find_size_effect_change(
     point: xarray.Dataset, study: Study, size_effect: SizeEffect, adhesive_share: float, loads: Sequence[float]
 ) -> Iterator[Caveat]:
-    """Yield a caveat if the size effect at a result point differs from the size effect in the tests of the same pair.
+    """Yield a caveat if the size effect at a load differs from the size effect in the friction tests of this pair.
 
     If the true area is too large by a factor in the tests, the fitted tau0 is too small by this factor. The size effect
     therefore cancels if the factor is the same at the result point. `loads` are the lowest and the highest load (mN) of
@@ -797,7 +800,7 @@ def _find_caveats_about_unlimited_friction(
 
 
 def _find_adhesion_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
-    """Yield caveats if adhesion is neglected, has an unresolved range, or adds uncertainty that the interval omits."""
+    """Yield caveats if adhesion is neglected, if its range is unresolved, or if intervals omit its uncertainty."""
     if not study.contact.adheres:
         added_load = estimate_adhesion_load_ratio(point, study)
         # The asperity model always neglects adhesion, so it gets a caveat only if adhesion would double the load.
@@ -988,7 +991,7 @@ def find_lay_caveats(
 
 
 def _is_coefficient(rule: SlidingRuleCoefficient) -> bool:
-    """Return whether a sliding rule gives a coefficient, rather than NaN or only a lower limit."""
+    """Return whether the coefficient under a sliding rule is known: neither NaN, nor only a lower limit."""
     return not math.isnan(rule.value) and rule.status != friction.STATUS_BULK_SHEAR
 
 

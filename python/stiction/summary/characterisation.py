@@ -168,7 +168,7 @@ class Characterisation:
 
     @cached_property
     def power_law_misfit(self) -> float:
-        """Rms factor by which the spectrum deviates from the fitted power law, or NaN without a fit."""
+        """Rms factor by which the spectrum deviates from the fitted power law, or NaN if no power law was fitted."""
         if self.power_law_fit is None:
             return math.nan
         band = self.power_law_fit.shortest_wavelength, self.power_law_fit.longest_wavelength
@@ -199,7 +199,7 @@ class Characterisation:
 
     @cached_property
     def friction_estimates(self) -> tuple[float, ...]:
-        """Small-slope estimates of the coefficients of friction along x and y between two bodies as rough as this one.
+        """Small-slope estimates of the friction coefficients along x and y between two bodies with this roughness.
 
         The tuple is empty if the slopes along an axis are 0.
         """

@@ -108,7 +108,7 @@ class Evaluation(MemberSums):
 
     @property
     def values_at_cutoffs(self) -> xarray.Dataset | None:
-        """Friction of a few surface pairs at several cutoff wavelengths, or None if the result does not store it."""
+        """Friction coefficients of a few surface pairs at several cutoff wavelengths, or None if none were computed."""
         return self.load_companion(evaluate_at_cutoffs)
 
     @property
@@ -131,7 +131,7 @@ class Evaluation(MemberSums):
 
     @property
     def contact_forces(self) -> xarray.Dataset | None:
-        """Contact of two profiles in the asperity model: both profiles, and the force on the upper one at each contact.
+        """Contact of two profiles in the asperity model: both profiles, and the contact forces on the upper profile.
 
         None for maps, for the half-space model, and if no pair has contacts. The forces are computed on first use.
         """
@@ -139,7 +139,7 @@ class Evaluation(MemberSums):
 
     @property
     def height_factors(self) -> dict[ScaledBodies, list[float]]:
-        """Factors by which heights are scaled in stored results, keyed by scaled body: "both", "upper" or "lower"."""
+        """Factors by which heights were multiplied for stored results, keyed by body: "both", "upper" or "lower"."""
         return {} if self.stored is None else group_stored_factors(self.stored)
 
     @cached_property
@@ -153,7 +153,7 @@ class Evaluation(MemberSums):
     # ---- Evaluation at a load ----------------------------------------------------------------------------------------
 
     def reached_loads(self, steps: int = 80) -> NDArray[np.float64]:
-        """Return loads (mN) in geometric progression, up to the largest load of the result (mean over surface pairs).
+        """Return loads (mN) in geometric progression, up to the largest load that the surface pairs reach on average.
 
         Raises a `ValueError` if there is no contact.
         """
@@ -348,7 +348,7 @@ class Evaluation(MemberSums):
     def contacts(
         self, load: str | ArrayLike | None = None, *, members: int | Sequence[int] | None = None
     ) -> pandas.DataFrame:
-        """Return a table of contacts, one per row, for a typical surface pair or for surface pairs of given indices.
+        """Return a table with one row per contact, for a typical surface pair or for surface pairs with given indices.
 
         Parameters
         ----------
@@ -499,7 +499,7 @@ class Evaluation(MemberSums):
 
     @cached_property
     def _study_summary(self) -> Summary | ValueError:
-        """Summary at the loads of the study or, if the result has no coefficient, the error that states the reason.
+        """Summary at the loads of the study, or an error that states why there is no friction coefficient.
 
         The error is cached too, because it takes as long to compute as a summary.
         """

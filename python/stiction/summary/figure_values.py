@@ -65,7 +65,7 @@ def find_opposing_contacts(picture: xarray.Dataset, direction: float) -> NDArray
 def evaluate_height_factors(
     result: Evaluation, scaled_bodies: ScaledBodies, mu0_index: int = 0, tau0_index: int = 0
 ) -> xarray.Dataset:
-    """Evaluate friction at the study's first load, for each factor by which stored results multiply the heights.
+    """Evaluate friction at the study's first load for each factor by which the heights were multiplied.
 
     Nominal area and area fraction are omitted if the study has no nominal area.
     """
@@ -107,7 +107,7 @@ class FrictionOverDimension:
 
 
 def iterate_motions(result: Evaluation) -> Iterator[tuple[str, Evaluation]]:
-    """Split a result by sliding rule and direction of motion; yield a suffix for file names with each part."""
+    """Yield the part of a result for each sliding rule and direction of motion, with a suffix for file names."""
     dims = [dim for dim in ("sliding", "direction") if dim in result.head.dims]
     if not dims:
         yield "", result
@@ -135,7 +135,7 @@ def evaluate_friction_over_dimension(result: Evaluation, mu0: Sequence[float]) -
 
 
 def _find_commonly_reached_load(result: Evaluation, lowest: float) -> float:
-    """Return a load (mN) that the computation reaches for 90 % of the combinations of fractal dimension and amplitude.
+    """Return a load (mN) that 90 % of the combinations of fractal dimension and amplitude reach or exceed.
 
     The load is a power of 10, unless this power would be below `lowest` (mN). The load is at least `lowest`, even if
     fewer combinations reach `lowest`.
@@ -182,7 +182,7 @@ def evaluate_onset_over_dimension(result: Evaluation) -> xarray.Dataset | None:
 
 
 def generate_profiles(study: Study) -> dict[float, Profile]:
-    """Generate one profile per fractal dimension of a study, all with the same phases."""
+    """Generate profiles for several fractal dimensions of a study, all with the same random phases."""
     surfaces: Any = study.surfaces
     dimensions, amplitude = surfaces.fractal_dimensions(), float(surfaces.amplitudes()[0])
     drawn_dimensions = dimensions[_evenly_spaced_indices(dimensions.size, MAX_DRAWN_PROFILES)]
@@ -195,7 +195,7 @@ def generate_profiles(study: Study) -> dict[float, Profile]:
 
 
 def generate_bodies_by_length_scale(study: Study) -> dict[float, tuple[Profile, Surface]]:
-    """Generate a profile and a map (Eq. 1 of the paper) for each length scale (µm), with the same phases.
+    """Generate a profile and a map (Eq. 1 of the paper) for each length scale (µm), all with equal random phases.
 
     The heights of the profiles are not scaled to the amplitude of the study.
     """

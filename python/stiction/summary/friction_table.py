@@ -288,7 +288,7 @@ def friction_table(
 def _fit_area_and_stiffness_laws(
     pressure: Floats, is_light_load: NDArray[np.bool_], values_of_pairs: dict[str, Floats]
 ) -> dict[str, Floats]:
-    """Fit the laws A/A0 = a p and k/A0 = b p^c, and return a, b and c with 95 % intervals, keyed by name.
+    """Fit the laws A/A0 = a p (true area) and k/A0 = b p^c (stiffness); return a, b and c with 95 % intervals.
 
     Each parameter has the shape (fractal dimension, amplitude, 3). The parameters are NaN if a pair of surfaces has no
     area or no stiffness.

@@ -246,7 +246,7 @@ def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :
 
 
 def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return a caveat's remedy, or advice to scan more of the surface if the caveat's cutoff exceeds `longest` (µm)."""
+    """Return the remedy of a caveat, or the advice to scan a longer part if its cutoff exceeds `longest` (µm)."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
     return (
@@ -332,7 +332,7 @@ def find_study_caveats(study: Study, alternatives: Collection[str] = ()) -> tupl
 
 
 def find_alternatives(study: Study) -> list[AlternativeName]:
-    """Return the names of other scan preparations whose results a coefficient's interval must include.
+    """Return the names of other preparations of the scans whose coefficients the reported interval must include.
 
     Scans with spikes require one alternative, and scans with a blunt tip another one. Bodies with a hardness need the
     tip alternative because the interval of their true area does not include finer roughness. Raises a `ValueError` if a
@@ -368,7 +368,7 @@ def _get_axis_extents(body: MeasuredBody) -> tuple[float, float]:
 
 
 def have_different_spectra(joined: JoinedSpectrum) -> bool:
-    """Return whether a scan's spectral density differs from that of others by over a factor of 2, and not by chance."""
+    """Return whether the spectral density of any scan differs significantly from the others, by over a factor of 2."""
     with np.errstate(invalid="ignore"):
         return bool(
             (np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_RATIO_OF_TWO_SPECTRA)).any()
@@ -443,7 +443,7 @@ def _find_instrument_caveats(
 
 
 def _describe_slope_fraction(limit: InstrumentLimit) -> str:
-    """Return a clause on the fraction of the mean square slope due to wavelengths that are too short to be reliable."""
+    """Return a clause that states how much of the mean square slope comes from wavelengths too short to be reliable."""
     # The fraction is rounded to whole per cent, so that similar scans get caveats with the same text.
     fraction_text = f"{100 * limit.slope_fraction:.0f} %"
     axis_text = f" along {limit.axis}" if limit.axis else ""

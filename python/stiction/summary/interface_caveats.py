@@ -54,7 +54,7 @@ def find_interface_caveats(
 
 
 def find_range_caveats(strength: InterfaceStrength, inputs: Inputs, pair_checksum: str) -> Iterator[Caveat]:
-    """Yield a caveat for each input whose range, but not central value, differs between a pair and its friction tests.
+    """Yield a caveat for each input with equal central values, but different ranges, in a pair and its tests.
 
     A further caveat is yielded if only the pair or only the tests have the size effect of small contacts.
 

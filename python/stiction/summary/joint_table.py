@@ -89,7 +89,7 @@ class JointUnits:
         return cls(*text.split(","))
 
     def convert(self, estimate: Estimate) -> Estimate:
-        """Convert an estimate to this unit system.
+        """Convert an estimate of a length, a pressure or a stiffness per area to this unit system.
 
         An estimate without a unit is returned unchanged.
         """
@@ -197,7 +197,7 @@ def _check_pair_is_measured(study: Study, nominal_area: float | None) -> float:
 
 
 def parse_closure_start(closure_from: Any, study: Study, nominal_area: float | None) -> float:
-    """Convert the load or nominal pressure from which closure is counted to a load in mN.
+    """Convert the reference state of closure, given as a load or a nominal pressure, to a load in mN.
 
     Raises a `ValueError` if the bodies were generated.
     """
@@ -210,7 +210,7 @@ def parse_closure_start(closure_from: Any, study: Study, nominal_area: float | N
 
 
 def add_load(loads: Floats, load: float) -> tuple[Floats, float]:
-    """Return an array of loads (mN), with a given load added if it is missing, and this load as stored in the array."""
+    """Add a load (mN) to an array of loads that lacks it; return the array, and the array's value of this load."""
     equal_loads = loads[np.isclose(loads, load, rtol=MAX_LOAD_ROUND_OFF, atol=0)]
     return (loads, float(equal_loads[0])) if equal_loads.size else (np.unique([*loads, load]), load)
 
@@ -305,7 +305,7 @@ def build_joint_table(
 
 
 def _count_closures_from(rows: Sequence[Mapping[str, Estimate]], start: int) -> list[Estimate]:
-    """Return the closure in each row of a joint table, minus the closure in the row with index `start`.
+    """Return the closures in the rows of a joint table, counted from the closure in the row with index `start`.
 
     A closure between two pressures is the integral of the pressure over the stiffness of closure. Its limits are those
     for the limits of the stiffness at all pressures in between. If one of these is unknown, there is no interval.

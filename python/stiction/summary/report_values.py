@@ -158,7 +158,7 @@ def _stack_motions(values: xarray.Dataset, motions: list[list[int]]) -> list[NDA
 
 
 def _find_status_codes(statuses: NDArray[Any], values: Floats) -> NDArray[np.intp]:
-    """Return one status code for each coefficient, from the statuses of all directions (axis 2) that it averages."""
+    """Return one status code per coefficient, given the statuses of the directions (axis 2) that it averages."""
     bulk_shear_code = STATUSES_BY_CODE.index(friction.STATUS_BULK_SHEAR)
     codes = np.select([statuses == name for name in STATUSES_BY_CODE], range(len(STATUSES_BY_CODE)))
     lowest_codes = np.where(codes == 0, len(STATUSES_BY_CODE), codes).min(axis=2)

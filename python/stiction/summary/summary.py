@@ -150,7 +150,7 @@ class PointSummary:
 
     @property
     def has_values_of_interface(self) -> bool:
-        """True if mu0 and tau0 of the point are the medians of a calibrated interface."""
+        """True if mu0 and tau0 at this result point are the medians of a calibrated interface."""
         return has_values_of_interface(self.study, self.at)
 
     @property
@@ -160,7 +160,7 @@ class PointSummary:
 
     @property
     def calibrated_rule(self) -> SlidingRule | None:
-        """Sliding rule assumed when the point's interface was calibrated, or None if no friction tests were fitted."""
+        """Sliding rule assumed in the calibration of mu0 and tau0, or None if no friction tests were fitted."""
         interface = self.study.friction.interface
         is_calibrated = interface is not None and not interface.is_published and self.has_values_of_interface
         return interface.fitted_rule if is_calibrated and interface is not None else None
@@ -268,7 +268,7 @@ class PointSummary:
 
     @property
     def load_definition_effect(self) -> float:
-        """Largest relative change of the coefficient if the load is defined in another way; NaN if unknown."""
+        """Largest relative difference of the coefficient between two definitions of the load; NaN if unknown."""
         return self.numbers.get("load_definition_effect", math.nan)
 
     @property
@@ -370,7 +370,7 @@ class Summary:
 
     @property
     def _points_at_cutoffs(self) -> xarray.Dataset | None:
-        """Friction at several cutoffs: from `at` or, if it has only one cutoff, from `values_at_cutoffs` (or None)."""
+        """Friction at several cutoffs: `at` or, if `at` has one cutoff, `values_at_cutoffs`, which may be None."""
         points = self.at if self.at.sizes.get("cut_off", 0) > 1 else self.values_at_cutoffs
         return None if points is None else sort_sliding_rules(points, self.study)
 
@@ -427,7 +427,7 @@ def summarize(
 
 
 def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates: Mapping[str, float]) -> bool:
-    """Return whether every other preparation of the scans gives an interval of the coefficient at given coordinates."""
+    """Return whether the results of all other scan preparations have an interval at the given coordinates."""
     return all(
         point.rules[0].has_interval
         for alternative in alternatives.values()
@@ -437,7 +437,7 @@ def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates
 
 
 def _include_faults_of_alternative(point: PointSummary, name: AlternativeName, alternative: Summary) -> PointSummary:
-    """Add to a result point those severe caveats of another scan preparation that the point itself lacks.
+    """Add the severe caveats of another scan preparation to the caveats of a result point, without duplicates.
 
     Without these faults, errors of a scan could improve an assessment. For example, spikes hold two bodies apart, so
     that more contacts carry the load.
@@ -538,7 +538,7 @@ def _extend_value_to_other_cutoff(
 def summarize_point(
     point: xarray.Dataset, study: Study, input_caveats: Sequence[Caveat] = (), *, covers_alternatives: bool = True
 ) -> PointSummary:
-    """Summarize friction at one load, mu0 and tau0 of a dataset from `Result.at`, and add caveats about the bodies.
+    """Summarize friction at one load, mu0 and tau0 of a dataset that `Result.at` returned; add `input_caveats`.
 
     `covers_alternatives` is true unless the interval omits an alternative preparation of the scans.
     """
@@ -621,7 +621,7 @@ def _with_interval_of_mean(coefficient: SlidingRuleCoefficient) -> SlidingRuleCo
 
 
 def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoefficient:
-    """Return the coefficient for one sliding rule and its intervals, at one load, mu0 and tau0."""
+    """Return the coefficient and its intervals for one sliding rule, at one load, mu0 and tau0."""
     name = "mean_friction" if "mean_friction" in table else "friction_coefficient"
     mean = read_estimate(table[name])
     interval_of_mean = Interval(max(mean.lower, 0.0) if mean.lower < 0 <= mean.value else mean.lower, mean.upper)
@@ -648,7 +648,7 @@ def _build_rule_coefficient(table: xarray.Dataset, rule: str) -> SlidingRuleCoef
 
 
 def _find_first_failure(table: xarray.Dataset) -> str:
-    """Return "ok" if this is the status of all directions, otherwise the alphabetically first of the other statuses."""
+    """Return "ok" if all directions have this status; otherwise, return the alphabetically first other status."""
     statuses = np.unique(table["status"].values).tolist()
     return next((str(status) for status in statuses if status != friction.STATUS_OK), friction.STATUS_OK)
 
@@ -659,7 +659,7 @@ def _is_outside_asperity_model(table: xarray.Dataset) -> bool:
 
 
 def _read_coefficients(table: xarray.Dataset, name: str, dimension: str) -> dict[float, Estimate]:
-    """Return estimates of a quantity by coordinate along a dimension; empty if quantity or dimension is missing."""
+    """Return a quantity's estimates keyed by coordinate; empty if the dataset lacks the quantity or dimension."""
     return read_estimates_along(table[name], dimension) if name in table and dimension in table[name].dims else {}
 
 
@@ -718,7 +718,7 @@ def _compute_friction_contributions(
 
 
 def has_central_value(study: Study, coordinates: Mapping[str, Any], name: str) -> bool:
-    """Return whether mu0 or tau0 (`name`) of a result point is the central value of the study's first mu0 or tau0."""
+    """Return whether coordinate `name` (mu0 or tau0) equals the central value of the study's first mu0 or tau0."""
     return math.isclose(coordinates[name], float(getattr(study.friction, name)[0]), rel_tol=1e-3)
 
 

@@ -35,7 +35,7 @@ _MAX_ROBUST_ITERATIONS = 200
 def filtered(
     body: AnyBody, *, cutoff: float, kind: FilterKind = "S", robust: bool = False, periodic: bool = False
 ) -> AnyBody:
-    r"""Apply an S-filter or an L-filter of ISO 16610 to a profile or a surface.
+    r"""Apply an S-filter (low-pass) or an L-filter (high-pass) of ISO 16610 to a profile or a surface.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def filtered(
 
 
 def validate_cutoff(name: str, value: Any, body: Profile | Surface, *, longest: float) -> float:
-    """Check that a cutoff (µm) is at least half the grid spacing, and at most `longest` times a body's shortest side.
+    """Check that a cutoff (µm) is between half the grid spacing and `longest` times the body's shortest side.
 
     Returns the cutoff.
     """
@@ -296,7 +296,7 @@ class _FilterKernel:
 
 
 def _fit_local_lines(heights: Floats, axis: int, cutoff_in_points: float, samples_weights: bool) -> Floats:
-    """Fit, at each point, a line with Gaussian weights to nearby heights along an axis; return the fitted heights."""
+    """Fit a line to the heights near each point along an axis, with Gaussian weights; return the fitted heights."""
     from scipy.fft import irfft, rfft
 
     kernel = _FilterKernel(heights.shape[axis], cutoff_in_points, samples_weights)
@@ -321,7 +321,7 @@ def _fit_local_polynomials(
     heights: Floats, weights: Floats, cutoffs_in_points: Sequence[float], basis: Sequence[MonomialExponents],
     samples_weights: bool = False,
 ) -> Floats:  # fmt: skip
-    """Fit a weighted polynomial to nearby heights at each point; return the fitted heights at all points.
+    """Fit a weighted polynomial to the heights near each point; return the fitted heights at all points.
 
     The weights are Gaussian weights times `weights`.
     """

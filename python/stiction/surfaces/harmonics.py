@@ -24,7 +24,7 @@ _BACKGROUND_DENSITY_QUANTILE = 0.3
 
 
 def find_texture_harmonics(density: Floats) -> tuple[float, float]:
-    """Find two bin numbers of a periodic texture's spectrum: the first harmonic, and the distance between harmonics.
+    """Find the first harmonic of a periodic texture in a spectrum, and the distance between harmonics, as bin numbers.
 
     Returns NaN if there is no periodic texture.
 
@@ -65,7 +65,7 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
 
 
 def estimate_density_between_harmonics(density: Floats, count: Floats, distance: float) -> Floats:
-    """Estimate the background density between a texture's harmonics from a low quantile in moving windows.
+    """Estimate a spectrum's density between the harmonics of a texture, from a low quantile in moving windows.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def estimate_density_between_harmonics(density: Floats, count: Floats, distance:
 
 
 def _compute_median_between_harmonics(padded_density: Floats, harmonics: Floats, distance: float) -> Floats:
-    """Return the median spectral density around each harmonic: outside its peak, up to halfway to the next harmonic."""
+    """Return the median spectral density near each harmonic: beyond its peak, up to halfway to the next harmonic."""
     bins = np.arange(padded_density.size)
     medians = []
     for harmonic in harmonics.tolist():

@@ -35,7 +35,7 @@ _MAX_FITTED_NOISE_RATIO = 2.0
 
 @dataclass(frozen=True)
 class NoiseHiddenInSpectrum:
-    """White noise that a scan's spectrum may hide, and the low-pass cutoff that removes an equal mean square slope."""
+    """White noise that a spectrum may hide, and the low-pass cutoff that removes as much slope as this noise adds."""
 
     slope_fraction: float
     # Cutoff (µm) of the low-pass filter that removes the fraction `slope_fraction` of the mean square slope.
@@ -98,7 +98,7 @@ def _estimate_short_wavelength_noise(surface: Surface, periodic: bool) -> float:
 
 
 def _bin_short_wavelengths(spectrum: LineSpectrum, periodic: bool) -> BinnedSpectrum | None:
-    """Average a spectrum's short wavelengths (up to 16 grid spacings) in bins, or return None for too few bins."""
+    """Average a spectrum in bins at short wavelengths (up to 16 grid spacings); return None for too few bins."""
     q, density, count, spacing = spectrum
     # The first two harmonics are excluded, because the Hann window adds power from longer wavelengths to them.
     if not periodic:

@@ -335,7 +335,7 @@ def estimate_hurst_exponent(
 
 
 def _select_profile_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return a profile's harmonics (wave numbers and powers), and the height (µm) by which heights were divided."""
+    """Return wave numbers and powers of a profile's scaled heights, and the height (µm) by which they were divided."""
     heights = profile.heights - profile.heights.mean()
     if not periodic:
         centred_index = np.arange(heights.size) - (heights.size - 1) / 2
@@ -354,7 +354,7 @@ def _select_profile_harmonics(profile: Profile, periodic: bool) -> tuple[Floats,
 
 
 def _select_areal_harmonics(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return a map's harmonics (wave numbers and powers), and the height (µm) by which heights were divided."""
+    """Return wave numbers and powers of a map's scaled heights, and the height (µm) by which they were divided."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights
@@ -402,7 +402,7 @@ class _SpectrumBins:
 
 
 def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> tuple[slice, _SpectrumBins]:
-    """Find the widest band of harmonics that follow one power law with 0 < H < 1 or, failing that, 0 < H < 2.
+    """Find the widest band of harmonics that follow one power law with 0 < H < 1; if there is none, with 0 < H < 2.
 
     Returns this band, and the binned spectrum in this band and in the roll-off at longer wavelengths.
     """
@@ -472,7 +472,7 @@ def _remove_noisy_end(
 
 
 def _fit_roll_offs(bins: _SpectrumBins, weight: Floats) -> tuple[Floats, Floats]:
-    """Fit a spectrum by a constant up to a bin and a power law beyond it, for each bin that may end the roll-off.
+    """Fit a constant density in the roll-off and a power law beyond it, for each bin at which the roll-off may end.
 
     If the roll-off ends in bin 0, there is no roll-off. Returns the logarithms of the wave numbers for each fit, which
     are constant in the roll-off, and the losses.

@@ -94,7 +94,7 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def disagreement(self) -> Floats:
-        """Spectral density of each scan, divided by that of the other scans and averaged over shared wavelengths.
+        """Spectral density of each scan, relative to that of the other scans, as a mean over shared wavelengths.
 
         The shape is (scans,). The mean is NaN for a scan without overlap.
         """
@@ -117,7 +117,7 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def chance(self) -> Floats:
-        """Standard deviation of ln(`disagreement`) from random scatter, if all scans had the same true spectrum."""
+        """Standard deviation that random scatter alone gives to ln(`disagreement`), for equal spectra of all scans."""
         is_shared = (self.contribution > 0).sum(axis=0) > 1
         independent_counts = self.contribution * self.count / _WAVE_VECTORS_PER_INDEPENDENT_VALUE
         log_deviations = np.full(len(self.bands), np.nan)
@@ -317,7 +317,7 @@ def _find_reliable_band(
 def _average_in_bins(
     body: Profile | Surface, band: tuple[float, float], per_decade: int
 ) -> dict[int, tuple[float, float]]:
-    """Average a scan's spectral density in bins of wave number; return number of wave vectors and mean per bin."""
+    """Average a scan's spectral density in wave-number bins; return each bin's wave-vector count and mean density."""
     min_wave_number, max_wave_number = (2 * math.pi / wavelength for wavelength in reversed(band))
     if isinstance(body, Profile):
         ring_spectrum = isotropic_spectrum(levelled(body, "line"))

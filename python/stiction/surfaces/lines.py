@@ -162,7 +162,7 @@ def line_roughness(
 def lines_along_both(
     surface: Surface, *, band: tuple[float, float] | None = None
 ) -> tuple[LineRoughness, LineRoughness]:
-    """Compute the roughness of a map along x and y; Hurst exponents are fitted in the same band if possible.
+    """Compute the roughness of a map's lines along x and along y, with Hurst exponents from one band if possible.
 
     Parameters
     ----------
@@ -223,7 +223,7 @@ def power_law_misfit(
     bins: PowerSpectrum | RadialSpectrum, band: tuple[float, float], exponent: float, *, dimensions: int = 1,
     chance: float = 0.0,
 ) -> float:  # fmt: skip
-    """Return the rms factor by which a spectrum deviates from a power law in a band, corrected for random scatter.
+    """Return the rms factor by which a spectrum deviates from a power law in a wavelength band, beyond random scatter.
 
     `chance` is the variance of ln(density) that scatter causes in a single harmonic. The factor is 1 for a power law.
     """

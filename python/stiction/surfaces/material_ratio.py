@@ -96,7 +96,7 @@ def material_ratio(body: Profile | Surface, heights: ArrayLike) -> Floats:
 
 
 def heights_at_material_ratios(heights: Floats, ratios: ArrayLike) -> Floats:
-    """Return the heights at given material ratios.
+    """Return the heights above which given fractions of the points lie (material ratios).
 
     The material ratio of a height is the fraction of higher points.
     """
@@ -113,7 +113,7 @@ class VolumeParameters(NamedTuple):
 
 
 def material_volumes(heights: Floats) -> VolumeParameters:
-    """Compute material and void volumes per area; peaks, core and valleys meet at material ratios of 10 % and 80 %."""
+    """Compute volumes of material and void per area, for peaks, core (material ratio 10 % to 80 %) and valleys."""
     core_top, core_bottom = heights_at_material_ratios(heights, [PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO]).tolist()
     peak_volume, volume_above_bottom = (
         float(np.maximum(heights - core_limit, 0).mean()) for core_limit in (core_top, core_bottom)
@@ -127,7 +127,7 @@ def material_volumes(heights: Floats) -> VolumeParameters:
 
 
 class CoreParameters(NamedTuple):
-    """Core height, reduced peak height, reduced pit depth, and the smallest and largest material ratio of the core."""
+    """Core height, reduced peak height, reduced pit depth, and the limits of the core as material ratios."""
 
     core_height: float
     reduced_peak_height: float

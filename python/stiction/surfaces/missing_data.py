@@ -66,7 +66,7 @@ def interpolate_missing_points(heights: Floats, *, extrapolate: bool) -> Floats:
 
 
 def compute_scattered_missing_fraction(missing: NDArray[np.bool_]) -> float:
-    """Return the fraction of points that are missing although both neighbours along x, or both along y, are known."""
+    """Return the fraction of all points that are missing between two measured neighbours along x or along y."""
     is_between = np.zeros(missing.shape, np.bool_)
     for axis in range(missing.ndim):
         missing_lines, between_lines = np.moveaxis(missing, axis, -1), np.moveaxis(is_between, axis, -1)
@@ -165,7 +165,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
 
 
 def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[Floats]) -> Floats:
-    """Divide two deviations of each height by their typical values; return the smaller ratio at each point.
+    """Return the smaller of two ratios at each point: each ratio is a height deviation divided by its typical value.
 
     A ratio that is NaN is ignored.
     """
@@ -175,7 +175,7 @@ def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[F
 
 @dataclass(frozen=True, eq=False)
 class _NeighbourDeviations:
-    """Deviations of heights from neighbours: the median deviation in a scan, and each deviation divided by it.
+    """Deviations of heights from neighbouring heights: the median in the scan, and the ratio of each to the median.
 
     Edge points have a different median than other points.
     """
@@ -241,7 +241,7 @@ def _find_neighbour_deviations(
 def _compute_deviations_from_neighbours(
     heights: Floats, remaining_heights: Floats
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return, for each height, two deviations from neighbours, and whether the point is at an edge of the data.
+    """Return two measures of each height's deviation from its neighbours, and a mask of points at the data's edges.
 
     The first measure compares a height with means of opposite neighbours, and the second with lines through two
     neighbours on one side. Deviations are NaN at points with too few measured neighbours. Maps are evaluated in strips
@@ -263,7 +263,7 @@ def _compute_deviations_from_neighbours(
 def _compute_deviations_in_strip(
     heights: Floats, padded_heights: Floats, reach: int
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Return, for each height in a strip, two deviations from neighbours, and whether its point is at a data edge.
+    """Return, for heights in a strip, two measures of each deviation from neighbours, and a mask of edge points.
 
     A strip is a range of map rows, or a whole profile.
     """

@@ -171,7 +171,7 @@ def paired_lines(
     surrogates: SurrogateBodies = "none",
     seed: int = 2016,
 ) -> tuple[list[Profile], list[Profile]]:
-    """Return two lists of profiles for `press`: flipped lines of the upper scan, and lines of the lower scan.
+    """Return two lists of profiles to press: flipped lines of the upper scan, and lines of the lower scan.
 
     Parameters
     ----------
@@ -254,7 +254,7 @@ def _crop_to_equal_length(
 
 
 def piece_below_slider(lower: Profile, offset: float, slider: Profile) -> Profile:
-    """Return the part of the lower profile that lies under a slider, from `offset` (µm) to the slider's end."""
+    """Return the part of the lower profile below a slider, from the distance `offset` (µm) to the slider's end."""
     start_index = round(offset / lower.spacing)
     selected_range = slice(start_index, start_index + len(slider))
     return Profile(
@@ -291,7 +291,7 @@ class MapPairs:
 
     @cached_property
     def _map_shapes(self) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Shape (rows, columns) of each map after resampling to the grid spacing of the pairs of map pieces."""
+        """Shape (rows, columns) of each map after resampling to the grid spacing of the map pieces."""
         return tuple(  # type: ignore[return-value]
             tuple(
                 points
@@ -309,7 +309,7 @@ class MapPairs:
         return tuple((round(y / dy), round(x / dx)) for x, y in self.shifts or ())
 
     def _find_overlap(self, steps: tuple[int, int]) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Return where two shifted maps overlap: first row and column in the lower map, and shape of the overlap."""
+        """Return the overlap of two shifted maps: its first row and column in the lower map, and its shape."""
         starts = tuple(max(0, step) for step in steps)
         ends = (
             min(lower_points, step + upper_points)

@@ -52,7 +52,7 @@ def levelled(body: Surface, trend: SurfaceForm) -> Surface: ...
 @overload
 def levelled(body: ArrayLike, trend: Any, *, spacing: Any, unit: str = ...) -> Profile | Surface: ...
 def levelled(body: Any, trend: Any, *, spacing: Any = None, unit: str = "um") -> Profile | Surface:
-    r"""Level a body: subtract a least-squares trend or form from the heights (F-operation of ISO 16610).
+    r"""Level a body: subtract a least-squares trend or form from the heights (F-operation of ISO 25178-2).
 
     Parameters
     ----------
@@ -247,7 +247,7 @@ def cropped(body: Profile | Surface, start: Any = 0.0, stop: Any = None) -> Prof
 
 
 def find_crop_range(along: str, points: int, spacing: float, start: Any, stop: Any) -> tuple[int, int, str]:
-    """Return three results for a crop along one axis: first index, index after the last point, range as text."""
+    """Return the range of a crop along one axis: first index, index after the last point, and the range as text."""
     extent = points * spacing
     start = validate_number("start", start, unit="µm")
     stop = extent if stop is None else validate_number("stop", stop, unit="µm")
@@ -502,7 +502,7 @@ def rotated(surface: Surface, angle: float) -> Surface:
 
 
 def interpolate_rotated(surface: Surface, y: Any, x: Any, angle: float) -> tuple[Floats, Any]:
-    """Rotate a map about its middle by an angle (radians), and interpolate its heights at the given points.
+    """Return the heights of a map that is rotated about its middle by an angle (radians), at the given points.
 
     The given points are at distances y (a column) and x (µm) from the middle. Returns heights and a mask of
     missing points, which is None if the map has no missing points.

@@ -237,7 +237,7 @@ def combine_missing_masks(upper: Any, lower: Any) -> NDArray[np.bool_] | None:
 
 
 def reject_missing_points(body: Any, operation: str) -> None:
-    """Raise a `ValueError` if a body has missing points; the message names an operation that needs all heights."""
+    """Raise a `ValueError` if a body has missing points; the message names the operation that needs all heights."""
     if body.missing is not None:
         raise ValueError(
             f"{operation} requires complete scans, got {int(body.missing.sum())} missing points; crop the scan, "

@@ -13,7 +13,7 @@ DISCRIMINATION_FRACTION = 0.1
 
 
 def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, Floats]:
-    """Return two arrays for the profile elements (a hill and an adjacent dale each): spacing in points, and height.
+    """Return the spacing (in points) and the height of each profile element: a hill with an adjacent dale.
 
     A hill is counted if it rises above a tenth of the peak height, and a dale if it falls below a tenth of the pit
     depth; both limits must be above 0. An element is a hill and the following dale, or a dale and the following hill.

@@ -155,7 +155,7 @@ def correlate_facing_slopes(upper: Any, lower: Any) -> float:
 
 
 def find_best_fit(upper: Any, lower: Any) -> tuple[float, tuple[int, ...]]:
-    """Return the largest slope correlation of two faces, and the upper face's offset (points) that gives it."""
+    """Return the largest slope correlation of two faces, and the offset (points) of the upper face that gives it."""
     correlations = _correlate_slopes(upper, lower)
     best_index = np.unravel_index(int(np.nanargmax(correlations)), correlations.shape)
     offset = tuple(
@@ -241,7 +241,7 @@ def _correlate_slopes(upper: Any, lower: Any) -> Floats:
 
 
 def _find_coarse_position(upper: Any, lower: Any) -> _FacePosition:
-    """Find the position at which two coarse bodies fit best, among whole-point shifts and a range of rotations."""
+    """Find the best fit of two coarse bodies among shifts by whole grid points and rotations in a given range."""
     if isinstance(upper, Profile):
         return _FacePosition(_convert_corner_offset_to_centre_shift(find_best_fit(upper, lower)[1], upper, lower), 0.0)
     correlated_positions = []
@@ -287,7 +287,7 @@ def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) 
 
 
 def _find_grid_offset(upper: Any, lower: Any, position: _FacePosition) -> tuple[int, ...] | None:
-    """Return a position as an offset in points if it puts the upper face's points on the lower face's grid, else None.
+    """Return the upper face's offset in whole points if the grids of both faces coincide, and None otherwise.
 
     Deviations of up to `GRID_TOLERANCE` points from the grid are ignored.
     """
@@ -322,7 +322,7 @@ def _interpolate_rotated_face(upper: Any, distances: list[Floats], rotation: flo
 
 
 def _interpolate_overlap(upper: Any, lower: Any, position: _FacePosition) -> tuple[Any, Any]:
-    """Return both faces where they overlap; the upper face is interpolated at the points of the lower face.
+    """Return the overlapping parts of two faces; the upper part is interpolated at the points of the lower face.
 
     The overlap of maps is the largest rectangle within the rotated upper face, cut by the sides of the lower face.
     """

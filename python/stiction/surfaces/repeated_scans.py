@@ -1,4 +1,4 @@
-"""Instrument noise from two scans of the same area, without assumptions about the spectrum of the noise."""
+"""Instrument noise, estimated from two scans of the same area without assumptions about the noise spectrum."""
 
 from __future__ import annotations
 
@@ -262,7 +262,7 @@ def _are_identical(
 def _find_noise_cutoff(
     q: Floats, spectrum_of_mean_scan: Floats, noise: Floats, shortest: float, longest: float
 ) -> float:
-    """Return the shortest low-pass cutoff (µm) that leaves little noise in the mean square slope, or NaN.
+    """Return the shortest low-pass cutoff (µm) at which noise adds little to the mean square slope, or NaN.
 
     The remaining noise contributes at most the fraction `MAX_NEGLIGIBLE_NOISE_FRACTION` of the mean square slope.
     """
@@ -365,7 +365,7 @@ def _find_integer_shift(a: Floats, b: Floats) -> Floats:
 def _slice_overlap(
     first_shape: tuple[int, ...], second_shape: tuple[int, ...], shift: Floats
 ) -> tuple[tuple[slice, ...], list[Floats]]:
-    """Return the overlap of two shifted scans: slices of the first scan, and fractional indices in the second."""
+    """Return the overlap of two shifted scans: slices of the first scan, and fractional indices in the second scan."""
     selected_slices, positions = [], []
     for points, second_points, shift_along_axis in zip(first_shape, second_shape, shift.tolist(), strict=True):
         start = max(0, math.ceil(shift_along_axis) + (_OVERLAP_MARGIN_POINTS if shift_along_axis > 0 else 0))

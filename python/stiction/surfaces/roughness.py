@@ -36,7 +36,7 @@ _NUM_SECTORS = 90
 
 
 def describe_levelling(history: tuple[str, ...]) -> str:
-    """Return the form, such as "plane", that was last subtracted from a body according to the body's history."""
+    """Return the form, such as "plane", that was last subtracted from a body; the source is the body's history."""
     forms = [step.removeprefix("levelled ") for step in history if step.startswith("levelled ")]
     return forms[-1] if forms else NOT_LEVELLED_VALUE
 

@@ -116,7 +116,7 @@ class ScaleDependentRoughness(TextReprMixin):
         return np.asarray(1 - np.square(self.gradient_at(wavelength) / self.gradient[-1]))
 
     def continued(self, wavelength: ArrayLike, estimate: HurstEstimate) -> Floats:
-        r"""Return the rms slope due to each given wavelength (µm) and all longer wavelengths, extrapolated if needed.
+        r"""Return the rms slope due to each given wavelength (µm) and all longer ones, even below the fitted band.
 
         The power law of `estimate` adds the wavelengths that are too short for the scan.
 
@@ -138,7 +138,7 @@ class ScaleDependentRoughness(TextReprMixin):
         )
 
     def wavelength_of(self, gradient: float, estimate: HurstEstimate | None = None) -> float:
-        """Find the wavelength (µm) that together with all longer wavelengths has an rms slope of `gradient`.
+        """Find the wavelength (µm) at which the rms slope due to this and all longer wavelengths equals `gradient`.
 
         The power law of `estimate`, if given, extrapolates the spectrum.
 
@@ -183,7 +183,7 @@ def fitted_and_limiting_power_laws(estimate: HurstEstimate) -> tuple[HurstEstima
 
 
 def extrapolated_mean_square_slope(estimate: HurstEstimate, wavelength: Floats) -> Floats:
-    """Return the mean square slope due to wavelengths between a given one (µm) and the shortest of a fitted band.
+    """Return the mean square slope due to wavelengths from a given one (µm) to the shortest fitted wavelength.
 
     The power law of the band is extrapolated to these wavelengths.
     """
@@ -567,7 +567,7 @@ def _count_independent_lines(transform: NDArray[np.complex128], *, periodic: boo
 
 
 def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: list[float]) -> tuple[bool, float]:
-    """Compare the noise along x and along y in a map in which noise was found along at least one of these axes.
+    """Compare the noise along x with the noise along y in a map that has noise along at least one of these axes.
 
     White noise has the same variance along both axes, so its densities are proportional to the spacings.
 
@@ -729,7 +729,7 @@ def _find_noise_wavelength(
 
 
 def _fit_line_slope(x: Floats, y: Floats, variance: Floats) -> tuple[float, float]:
-    """Fit a straight line to y(x), where each y has a given variance; return the slope and its standard deviation."""
+    """Fit a straight line to y(x), given the variance of each y; return the slope and its standard deviation."""
     weight = 1 / (variance + 0.01)
     x_deviations = x - np.average(x, weights=weight)
     weighted_square_sum = float(weight @ x_deviations**2)
@@ -795,7 +795,7 @@ def _find_flattening_bin(
 
 
 def _find_bin_before_rise(points: Floats, density: Floats, chance_variance: Floats) -> int | None:
-    """Return the bin of lowest spectral density if the density is much higher at shorter wavelengths.
+    """Return the bin with the lowest spectral density if the density rises strongly towards shorter wavelengths.
 
     Returns None without a rise.
     """

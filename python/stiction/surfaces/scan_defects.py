@@ -94,7 +94,7 @@ class ScanDefects:
 
     @cached_property
     def num_spikes(self) -> int:
-        """Number of spikes in the scan: outliers with an abrupt change of height; in profiles, only isolated ones.
+        """Number of spikes in the scan: outliers with an abrupt change of height; in profiles, only isolated outliers.
 
         Cusps and edges of machined surfaces are sharp too, but usually not outliers. Narrow scratches can be outliers,
         but are not isolated.
@@ -130,7 +130,7 @@ class ScanDefects:
 
     @cached_property
     def hidden_noise(self) -> NoiseHiddenInSpectrum | None:
-        """White noise that the scan may contain although its spectrum shows no noise floor, or None.
+        """White noise that the scan may contain although its spectrum shows no noise floor; None without such noise.
 
         None if there is no such noise, if visible noise already exceeds a tenth of the mean square slope, or if the
         scan is textured.
@@ -264,7 +264,7 @@ def estimate_roughness_drift(body: Profile | Surface) -> float:
 
 
 def _fit_strip_trend(mean_square_slopes: Floats, axis: int) -> tuple[float, float]:
-    """Return the change of ln(rms slope) along an axis, from one end of a scan to the other, and the change's variance.
+    """Return the change of ln(rms slope) along an axis from one end of a scan to the other, and its variance.
 
     The change follows from a straight line that is fitted to the means of strips. Both numbers are 0 if a strip has no
     measured points or no slope.
@@ -315,7 +315,7 @@ def _find_sharp_points(body: Profile | Surface) -> NDArray[np.bool_]:
 
 
 def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return a mask of the isolated outliers, which stand out abruptly, unlike cusps and groove bottoms.
+    """Return a mask of isolated outliers: points that stand out abruptly, unlike cusps and the bottoms of grooves.
 
     A group of adjacent outliers is isolated if its deviation from the profile without outliers is large compared with
     the height of its flanks, or if a single step on its flanks makes up most of its height. Dips must also be deep,
@@ -328,7 +328,7 @@ def _find_isolated_points(profile: Profile, outliers: NDArray[np.bool_]) -> NDAr
     min_height = _MIN_SPIKE_TO_RMS_RATIO * float(levelled(profile, "line").heights.std())
 
     def measure_from_flanks(heights: Floats, group: slice) -> Floats:
-        """Return heights of adjacent outliers and their flanks, measured from a line through the flanks' outer ends."""
+        """Return the heights of adjacent outliers and their flanks above a line through the flanks' outer ends."""
         start, stop = max(group.start - _NUM_FLANK_POINTS, 0), min(group.stop + _NUM_FLANK_POINTS, outliers.size)
         baseline = np.linspace(remaining_heights[start], remaining_heights[stop - 1], stop - start)
         return heights[start:stop] - baseline

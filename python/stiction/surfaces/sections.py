@@ -232,7 +232,7 @@ def _compute_with_setting_class(
     results_by_class: dict[int, SectionParameters] = {}
 
     def find_matching_setting_class(index: int) -> int:
-        """Compute Ra and RSm with the setting class `index`; return the index of the class to which they belong."""
+        """Compute Ra and RSm with the setting class `index`; return the index of the setting class for these values."""
         if index not in results_by_class:
             lc = SETTING_CLASSES[index].section_length
             results_by_class[index] = _compute_with_cutoff(profile, lc, ls, sections, robust, derivative)
@@ -272,7 +272,7 @@ def _compute_with_setting_class(
 
 
 def _format_setting_class_reasons(parameters: SectionParameters) -> str:
-    """Format Ra and RSm of a profile as the reason for a setting class, as in "Ra 0.4 µm and RSm 50 µm"."""
+    """Format the Ra and RSm that determine a profile's setting class, as in "Ra 0.4 µm and RSm 50 µm"."""
     spacing_text = "" if math.isnan(parameters.RSm) else f" and RSm {format_with_unit(parameters.RSm, 'µm')}"
     return f"Ra {format_with_unit(parameters.Ra, 'µm')}{spacing_text}"
 

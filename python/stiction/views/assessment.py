@@ -29,7 +29,7 @@ def assessment_paragraph(
     points: Sequence[PointSummary], max_lines: int | None = None, *, max_groups: int | None = None,
     complete_command: str = COMPLETE_OUTPUT_METHOD,
 ) -> Paragraph:  # fmt: skip
-    """Return a paragraph with the assessment of given result points, and with their caveats and remedies.
+    """Return a paragraph with the assessments of result points, and with their caveats and remedies.
 
     For a single point, the paragraph also names the measurement that would help most. Similar caveats of several points
     are grouped. At most `max_lines` lines of caveats are printed or, without `max_lines`, at most `max_groups` groups.
@@ -58,7 +58,7 @@ def assessment_paragraph(
 
 
 def _common_assessment_text(points: Sequence[PointSummary]) -> str:
-    """Return the assessment of several result points that all have the same assessment.
+    """Return the assessment that several result points have in common.
 
     For a single point, a sentence on the measurement that would help most follows.
     """
@@ -85,7 +85,7 @@ def count_assessments_text(points: Sequence[PointSummary]) -> str:
 
 
 def _count_text(affected_points: Sequence[PointSummary], points: Sequence[PointSummary]) -> str:
-    """Return the number of result points that have a caveat, as in " (2 of 4)".
+    """Return text that counts the result points with a caveat, such as " (2 of 4)".
 
     The load of a single point follows, as in " (1 of 4: 10 MPa)", if the points have several loads.
     """
@@ -130,7 +130,7 @@ def _merge_caveats(group: Sequence[Caveat]) -> Caveat:
 
 
 def _number_with_unit(number: tuple[str, str]) -> float:
-    """Convert texts (number, unit) to a number in the unit without its prefix, for example in Pa instead of kPa."""
+    """Convert a number and its unit, both given as text, to the unit without its prefix, such as Pa for kPa."""
     unit = number[1].strip()
     return float(number[0]) * (_PREFIX_FACTORS.get(unit[0], 1.0) if len(unit) > 1 and unit not in ("Pa", "m²") else 1.0)
 

@@ -239,7 +239,7 @@ def _find_ends_of_strengths(interface: Interface) -> tuple[tuple[str, str], tupl
 
 
 def _junction_growth_text(interface: Interface) -> str:
-    """Return a sentence on junction growth: its value for the evaluation, and whether the tests narrow its range."""
+    """Return a sentence on junction growth: the value used for the tests, and whether the tests narrow its range."""
     growth = interface.junction_growth
     assert growth is not None, "tests have a junction growth"
     text = f"Junction growth: the tests were evaluated with {junction_growth_text(growth)}"

@@ -450,7 +450,7 @@ def length_text(value: float) -> str:
 
 
 def _json_unit(parameter: ParameterDefinition) -> str:
-    """Return the unit of a roughness parameter in JSON."""
+    """Return the unit of a roughness parameter as it is written in JSON output."""
     return _JSON_UNIT_EXCEPTIONS.get(parameter.unit, parameter.unit.replace("µm", "um").replace("²", "2"))
 
 

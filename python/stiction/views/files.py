@@ -65,12 +65,12 @@ def write_new_text_file(path: Path, text: str) -> None:
 
 
 def summary_csv(summary: Summary) -> str:
-    """Return the summary of a result as CSV: columns with friction, and columns with other quantities."""
+    """Return the summary of a result as CSV, with columns for friction coefficients and for other quantities."""
     return frame_to_csv(summary_table(summary))
 
 
 def result_csv(result: Evaluation) -> str:
-    """Return a result at the loads of its study as CSV: columns with friction, and columns with other quantities."""
+    """Return a result at the loads of its study as CSV, with columns for friction coefficients and other quantities."""
     return summary_csv(result.complete_summary())
 
 
@@ -169,7 +169,7 @@ def write_joint_table(
 def choose_joint_parameters(
     result: Evaluation, path: Path, mu0: Any = None, tau0: Any = None
 ) -> tuple[list[float], list[float]]:
-    """Return the mu0 and tau0 (GPa) to write to a joint file: the given ones or, by default, all of the study.
+    """Return the mu0 and tau0 (GPa) for a joint file: those that the caller gives or, by default, all in the study.
 
     Raises a `ValueError` if a card would have several mu0 or tau0.
     """
@@ -218,7 +218,7 @@ SHEAR_PARAMETER_FORMATS = {".csv": ("a table", shear_parameters_csv), ".json": (
 
 
 def write_shear_parameters(test: xarray.Dataset, path: Path, units: UnitSystem = DEFAULT_JOINT_UNITS) -> None:
-    """Write the parameters of joint models, from a shear test, to a new file in a format of `SHEAR_PARAMETER_FORMATS`.
+    """Write parameters for joint models, computed from a shear test, to a new file (`SHEAR_PARAMETER_FORMATS`).
 
     Raises a `ValueError` as `write_result` does.
     """

@@ -48,7 +48,7 @@ def friction_table_csv(table: xarray.Dataset) -> str:
 
 
 def fitted_laws_csv(table: xarray.Dataset) -> str:
-    """Return fitted laws A/A0 = a p and k/A0 = b p^c (p in GPa) as CSV: one row for each pair (Hurst exponent, Sq)."""
+    """Return the fitted laws of true area (A/A0 = a p) and stiffness (k/A0 = b p^c) as CSV: one row per roughness."""
     return _format_law_table(table[list(_LAW_QUANTITIES)], _COORDINATE_COLUMNS[1:3])
 
 
@@ -76,7 +76,7 @@ def _format_law_table(law_table: xarray.Dataset, columns_by_name: tuple[str, ...
 
 
 def friction_table_text(table: xarray.Dataset, rules: Sequence[str] = SLIDING_RULE_ORDER) -> str:
-    """Return a friction table as text: one row per roughness, with fitted laws, misfit and range of coefficients."""
+    """Return a friction table as text: one row per roughness, with fitted laws, their misfit, and coefficients."""
     pressure_range = " to ".join(format_with_unit(float(table["pressure"][i]), "GPa") for i in (0, -1))
     laws_text = "A/A0 = a p and k/A0 = b p^c with p in GPa; 95 % intervals over the repetitions"
     lines = [wrap_text(f"Pressures of {pressure_range}; {laws_text}"), ""]

@@ -42,7 +42,7 @@ HEIGHT_SCALE_NOTE = (
 
 
 def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
-    """Return, as text, tables of a pair's friction and true contact area, with a row for each factor of the heights."""
+    """Return text tables of a pair's friction and true area: one row per factor by which heights are multiplied."""
     scaled_surfaces = NAMES_OF_SCALED_SURFACES[dataset.attrs["scaled"]]
     lines = [
         wrap_text(
@@ -75,7 +75,7 @@ def height_scale_text(dataset: xarray.Dataset, study: Study) -> str:
 
 
 def _height_factor_row(point: xarray.Dataset, rules: list[str], study: Study) -> list[str]:
-    """Return the cells of one table row: height factor, friction under each rule, and true area."""
+    """Return the cells of one table row: height factor, rms gradient, friction, true area and others."""
     table_cells = [
         f"{float(point['height_scale']):.4g}",
         format_significant(mean_over_directions(point, "rms_gradient"), 3),
@@ -104,7 +104,7 @@ def _height_factor_row(point: xarray.Dataset, rules: list[str], study: Study) ->
 
 
 def height_scale_json(dataset: xarray.Dataset, study: Study) -> str:
-    """Return as JSON the friction and other quantities of a pair for each factor by which its heights are scaled."""
+    """Return as JSON a pair's friction and other quantities for each factor by which heights are multiplied."""
     fields = {"kind": "pair", "scaled": dataset.attrs["scaled"], "solved": dataset.attrs["solved"].tolist()}
     fields |= {name: float(dataset[name]) for name in ("effective_modulus", "nominal_area") if name in dataset.coords}
     frame = rows.values_frame(sort_sliding_rules(dataset, study))

@@ -132,7 +132,7 @@ def joint_json(tables: Sequence[JointTable], sources: Sequence[str]) -> str:
 
 
 def _list_notes(tables: Sequence[JointTable]) -> list[str]:
-    """Return the notes of joint tables; a note that not all tables share starts with its table's mu0 and tau0."""
+    """Return the notes of joint tables; a note that only some tables have begins with the mu0 and tau0 of its table."""
     shared_notes = [note for note in tables[0].notes if all(note in table.notes for table in tables)]
     return shared_notes + [
         f"μ0 = {table.mu0:.4g}, τ0 = {format_with_unit(table.tau0, 'GPa')}: {note}"
@@ -271,7 +271,7 @@ def _list_curve(table: JointTable) -> list[tuple[Estimate, Estimate]]:
 
 
 def _find_start_closure(table: JointTable) -> float:
-    """Return the closure that is added to an input card's curve so that it begins with a straight line from the origin.
+    """Return the closure to add to an input card's curve, which then begins with a straight line from the origin.
 
     The line ends at the pressure from which closure is counted, and has the closure stiffness at this pressure. The
     result is 0 if closure is counted from first contact.
@@ -281,7 +281,7 @@ def _find_start_closure(table: JointTable) -> float:
 
 
 def _describe_curve_start(table: JointTable) -> str:
-    """Return a sentence on an input card's closure curve below the first pressure, where it is a straight line."""
+    """Return a sentence on the straight line with which an input card's closure curve begins."""
     start_closure = _find_start_closure(table)
     if start_closure == 0:
         return "Below the first pressure the curve is a straight line."

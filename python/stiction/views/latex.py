@@ -1,4 +1,4 @@
-"""LaTeX table of a result, with one row per result point."""
+"""LaTeX table of a result: one row for each combination of load, mu0, tau0 and roughness."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ CYCLE_AMPLITUDES = (0.5, 0.9)
 
 
 def onset_text(onset: OnsetSummary, study: Study | None = None) -> str:
-    """Return a sentence on the onset of sliding: pre-sliding displacement, slipping fraction and initial stiffness.
+    """Return a sentence on the onset of sliding: pre-sliding displacement, slipped area, and initial stiffness.
 
     The sentence states the normal load if the study has several loads.
     """
@@ -83,7 +83,7 @@ def onset_note(onset: OnsetSummary, study: Study) -> str:
 
 
 def _law_text(study: Study) -> str:
-    """Return a sentence on which stiffness the onset computation uses, or "" if the contact law is Hertzian.
+    """Return a sentence that states the stiffness used for the onset of sliding; "" for the Hertzian contact law.
 
     This stiffness is that of elastic Hertzian contacts under every contact law.
     """

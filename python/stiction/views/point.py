@@ -38,7 +38,7 @@ CONTRIBUTION_LABELS = {
 
 
 def sliding_rule_text(point: PointSummary, rule: str) -> str:
-    """Return a phrase on a sliding rule; it adds a remark if mu0 and tau0 were not calibrated under this rule."""
+    """Return a phrase on a sliding rule, with a remark if mu0 and tau0 were not calibrated under this rule."""
     text = SLIDING_RULE_DESCRIPTIONS[rule]
     if point.calibrated_rule in (None, rule):
         return text
@@ -95,7 +95,7 @@ def material_names_text(study: Study) -> str:
 
 
 def point_load_text(point: PointSummary) -> str:
-    """Return the load at a result point with its nominal pressure as text.
+    """Return the load of a result point, together with its nominal pressure, as text.
 
     Returns "no load" if the load is negligible.
     """
@@ -103,7 +103,7 @@ def point_load_text(point: PointSummary) -> str:
 
 
 def coefficient_text(point: PointSummary, coefficient: SlidingRuleCoefficient) -> str:
-    """Return text on a result point: the coefficient with its interval, or the reason why there is no coefficient.
+    """Return the coefficient at a result point as text with its interval, or the reason why there is none.
 
     The text starts with "≥" if the coefficient is only a lower limit.
     """

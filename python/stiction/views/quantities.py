@@ -1,4 +1,4 @@
-"""Text output of a result's quantities: a sentence for one result point, or a table."""
+"""Text output of a result's quantities: a sentence for a single load, mu0 and tau0, or a table for several."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _VERBOSE_QUANTILES = (("patch_area", 0.5), ("patch_area", 0.9), ("pressure", 0.5
 
 @dataclass(frozen=True)
 class QuantityRow:
-    """One table row with the estimates of a quantity at several result points, in µm, mN and GPa."""
+    """Table row of one quantity: its estimates at several loads, mu0 and tau0, in µm, mN and GPa."""
 
     name: str
     label: str
@@ -42,7 +42,7 @@ class QuantityRow:
 
 
 def quantities_paragraph(points: Sequence[PointSummary], *, verbose: bool = False, cell: str = "") -> Paragraph:
-    """Return all quantities with 95 % intervals: as a sentence for one result point, as a table for several.
+    """Return all quantities with 95 % intervals: as a sentence for one load, mu0 and tau0, otherwise as a table.
 
     A single result point gives a sentence or, if `verbose` is True or the surfaces are generated, a table with one row
     per quantity. Several points give a table with one row per point. `cell` starts the heading of the first column.
@@ -68,7 +68,7 @@ def quantities_paragraph(points: Sequence[PointSummary], *, verbose: bool = Fals
 
 
 def _select_rows(points: Sequence[PointSummary], *, verbose: bool, is_sentence: bool) -> Iterator[QuantityRow]:
-    """Yield one table row per printed quantity, with the estimates of this quantity at all result points."""
+    """Yield a table row for each printed quantity, with its estimates at all printed loads, mu0 and tau0."""
     first_point = points[0]
     has_pull_off_bound = first_point.pull_off is not None and first_point.pull_off.is_bound
     for name in _list_printed_quantities(first_point, verbose=verbose, is_sentence=is_sentence):
@@ -91,7 +91,7 @@ def _select_rows(points: Sequence[PointSummary], *, verbose: bool, is_sentence: 
 
 
 def _list_printed_quantities(point: PointSummary, *, verbose: bool, is_sentence: bool) -> list[str]:
-    """Return the names of the quantities to print for a result point.
+    """Return the names of the quantities to print for one load, mu0 and tau0.
 
     The additional quantities for `verbose` come last.
     """
@@ -116,7 +116,7 @@ def percent_text(fraction: float) -> str:
 
 
 def _find_quantile(point: PointSummary, name: str, fraction: float) -> Estimate:
-    """Return the quantile of a stored distribution whose probability is closest to `fraction`."""
+    """Return the stored quantile of a distribution at the probability closest to `fraction`."""
     quantiles = point.distributions[name]
     return quantiles[min(quantiles, key=lambda fraction_below: abs(fraction_below - fraction))]
 

@@ -52,7 +52,7 @@ def resolved_wavelengths_text(scan: ResolvedRoughness) -> str:
 
 
 def cut_off_rows(resolution: ResolutionEffect, hardness: float | None) -> TextRows:
-    """Return table rows of friction at each cutoff wavelength, for the study's first load, first mu0 and first tau0.
+    """Return table rows with the friction at each cutoff wavelength, for the study's first load, mu0 and tau0.
 
     The last row is the plastic limit if there is a hardness (GPa).
     """
@@ -101,7 +101,7 @@ def cut_off_note(resolution: ResolutionEffect, study: Study) -> str:
 
 
 def yield_wavelength_rows(estimates: Sequence[YieldWavelengthEstimate], scan: ResolvedRoughness) -> TextRows:
-    """Return a table with one row per hardness: the wavelength below which contacts of this hardness yield.
+    """Return table rows by hardness: the wavelength below which contacts yield, and a lower bound on friction.
 
     Returns an empty list without estimates.
     """

@@ -75,7 +75,7 @@ _DIRECTION_LABEL_FORMATTERS = {"axis": "along {:g}".format, "direction": "{:g}".
 
 
 def values_frame(dataset: xarray.Dataset) -> pandas.DataFrame:
-    """Return a data frame with one row for each number in a dataset: name, number, interval, status, coordinates.
+    """Return the numbers in a dataset as a data frame: one row per number, with interval, status and coordinates.
 
     Parameters
     ----------
@@ -215,7 +215,7 @@ def summary_table(summary: Summary) -> pandas.DataFrame:
 def _merge_quantities(
     table: pandas.DataFrame, dataset: xarray.Dataset, study: Study, keys: Sequence[str]
 ) -> pandas.DataFrame:
-    """Add columns with all other quantities of a CSV file, and with their interval limits, to a table of coefficients.
+    """Add the other quantities of a CSV file to a table of coefficients, as columns with their interval limits.
 
     `keys` are the columns that identify the rows of a quantity, if the quantity depends on them. Quantities with the
     same rows are added in one step, because each step takes several milliseconds.
@@ -300,7 +300,7 @@ def _assessment_table(
 
 
 def _list_assumptions_in_file(point: PointSummary) -> list[str]:
-    """Return the assumptions to write to an output file for a result point.
+    """Return the assumptions that an output file lists for the coefficient at one load, mu0 and tau0.
 
     If mu0 and tau0 are not known separately, a note on them is added.
     """
@@ -325,7 +325,7 @@ def _build_cutoff_columns(points: Sequence[PointSummary]) -> dict[str, list[floa
 
 
 def summary_json(command: str, summary: Summary, /, **fields: Any) -> str:
-    """Return the output of a command about a summary as JSON: result points, caveats, cutoffs and onset of sliding."""
+    """Return a summary as the JSON output of a command: result points with caveats, cutoffs, and onset of sliding."""
     if summary.no_points_reason:
         return record_json(command, [], **fields, remark=summary.no_points_reason)
     dataset, study = summary.at, summary.study
@@ -353,7 +353,7 @@ def value_records(rows: pandas.DataFrame) -> list[dict[str, Any]]:
 
 
 def point_record(point: PointSummary) -> dict[str, Any]:
-    """Return a result point as JSON fields: reported friction, intervals, assessment and caveats."""
+    """Return friction at one load, mu0 and tau0 as JSON fields: coefficient, intervals, assessment and caveats."""
     return {
         "at": point.at,
         "ranges": {name: find_covered_range(point, name) or None for name in ("mu0", "tau0")},

@@ -224,7 +224,7 @@ def repeated_scans_text(comparison: RepeatedScans, caveats: Sequence[Caveat] = (
 
 
 def describe_mean_scan_noise(comparison: RepeatedScans) -> str:
-    """Return a sentence on noise in the slope of the mean of both scans, and on a cutoff that limits the noise."""
+    """Return a sentence on the noise in the mean of both scans, and on the cutoff that limits this noise."""
     if math.isnan(comparison.limit):
         return "At any cutoff, more than a tenth of the mean square slope of the mean scan is noise."
     if comparison.slope_fraction <= MAX_NEGLIGIBLE_NOISE_FRACTION:

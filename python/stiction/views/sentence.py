@@ -1,4 +1,4 @@
-"""Sentences on a result: a sentence to quote, its clauses, and sentences with details of a result point."""
+"""Sentences on a result: a sentence to quote, its clauses, and details about one load, mu0 and tau0."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def covered_inputs_text(point: PointSummary) -> str:
 
 
 def point_assessment_text(point: PointSummary) -> str:
-    """Return text on a result point: its assessment, its caveats and, if known, the version of stiction used."""
+    """Return text on a coefficient: its assessment, its caveats and, if known, the version of stiction used."""
     caveats = "; ".join(caveat.text for caveat in point.caveats)
     text = f"assessment: {point.assessment}" + (f" ({caveats})" if caveats else "")
     version = point.values.attrs.get("stiction_version")
@@ -132,7 +132,7 @@ def roughness_contribution_text(point: PointSummary) -> str:
 
 
 def inputs_text(point: PointSummary, points: Sequence[PointSummary] = ()) -> str:
-    """Return the inputs of a result point as text, such as load, roughness, mu0, tau0, materials and resolution.
+    """Return the inputs of a coefficient as text, such as load, roughness, mu0, tau0, materials and resolution.
 
     If the tests of an interface determine only the sum mu0 + tau0 A/F, the text contains this sum instead of mu0 and
     tau0. If `points` is given, the text contains the range of the contact hardness over these points.
@@ -213,7 +213,7 @@ def input_range_text(point: PointSummary, name: str) -> str:
 
 
 def find_covered_range(point: PointSummary, name: str) -> str:
-    """Return the range of mu0 or tau0 that a result point's interval covers, or "" if there is no such range.
+    """Return the range of mu0 or tau0 that a coefficient's interval covers, or "" if there is no such range.
 
     The range of the study applies only to its central value. Any other value is exact.
     """
@@ -259,7 +259,7 @@ def possible_zeros_text(interface: InterfaceStrength, conjunction: str) -> str:
 
 
 def _hardness_source_text(study: Study) -> str:
-    """Return text that the hardness is that of a material in the table of materials, or "" for another hardness.
+    """Return text that names the material from whose table entry the hardness comes; "" for any other hardness.
 
     The user may have given the range of the table.
     """
@@ -290,7 +290,7 @@ _LOAD_DEFINITION_TEXTS = {
 
 
 def result_point_note(point: PointSummary) -> str:
-    """Return a note on a result point: averages over directions and surface pairs, scan counts, load definition."""
+    """Return a note on a coefficient: averages over directions and surface pairs, scan counts, load definition."""
     study, items = point.study, []
     if study.surfaces.press == "lines" and len(point.directions) == 2:
         items.append("the mean over both directions")
@@ -315,7 +315,7 @@ def result_point_note(point: PointSummary) -> str:
 
 
 def shared_conditions_text(points: Sequence[PointSummary]) -> str:
-    """Return the conditions that all result points share as text: inputs, averaged surface pairs, and assumptions."""
+    """Return the conditions that several coefficients share as text: inputs, averaged surface pairs, assumptions."""
     inputs = [inputs_text(point, points).split(", ") for point in points]
     common_inputs = [text for text in inputs[0] if all(text in other_inputs for other_inputs in inputs)]
     common_inputs_note = f"with {', '.join(common_inputs)}; " if common_inputs else ""
@@ -375,7 +375,7 @@ def list_assumptions(study: Study) -> tuple[str, ...]:
 
 
 def list_all_assumptions(point: PointSummary) -> tuple[str, ...]:
-    """Return the assumptions that must be listed where the coefficient of a result point is quoted.
+    """Return the assumptions that must be stated together with a quoted coefficient.
 
     There are none for generated surfaces.
     """
@@ -431,7 +431,7 @@ def small_slope_estimate_text(point: PointSummary) -> str:
 
 
 def area_size_effect_text(points: Sequence[PointSummary]) -> str:
-    """Return a sentence on the first result point whose true area the size effect may reduce below the interval.
+    """Return a sentence on the first load at which the size effect may reduce the true area below its interval.
 
     The sentence names the load if there are several result points. The text is empty if the size effect is smaller than
     the intervals, or if a study includes it.
@@ -454,7 +454,7 @@ def area_size_effect_text(points: Sequence[PointSummary]) -> str:
 
 
 def point_detail_sentences(point: PointSummary) -> list[str]:
-    """Return sentences on a result point: friction contributions, single tests, dwell times, finer scans and inputs."""
+    """Return sentences on a coefficient: contributions, single tests, dwell times, finer scans and inputs."""
     sentences = (
         [] if point.is_unloaded else [contributions_text(point), single_test_text(point), dwell_time_text(point)]
     )

@@ -265,7 +265,7 @@ def _list_interval_caveats(test: xarray.Dataset) -> list[str]:
 
 
 def _list_fit_caveats(attributes: Mapping[Any, Any]) -> list[str]:
-    """Return a list with a caveat if two faces fit poorly: their slopes differ, or noise does not explain their gap."""
+    """Return a list with a caveat if two faces fit poorly: their slopes differ, or their gap exceeds the noise."""
     correlation, is_registered = float(attributes["fit_correlation"]), "registration_rms_gap_um" in attributes
     if correlation < MIN_FIT_CORRELATION:
         if not is_registered:

@@ -121,7 +121,7 @@ def axis_label(name: str) -> str:
 
 
 def literal_text(text: str) -> str:
-    """Escape a text from a file or from the user, so that the figure shows its "$" and leading "_" as they are."""
+    """Escape a text from a file or from the user, so that the figure shows its "$" and its leading "_" unchanged."""
     escaped_text = printable_text(text, MAX_LITERAL_TEXT_LENGTH).replace("$", r"\$")
     # Matplotlib omits labels that start with "_" from legends.
     return f" {escaped_text}" if escaped_text.startswith("_") else escaped_text

@@ -116,7 +116,7 @@ def main_values_text(
     max_lines: int | None = None,
     complete_command: str = COMPLETE_OUTPUT_METHOD,
 ) -> str:
-    """Return a result as text for a terminal, without the cutoff study and the onset of sliding."""
+    """Return a result as text for a terminal; the onset of sliding and friction at several cutoffs are left out."""
     if summary.no_points_reason:
         return no_values_text(summary)
     points = summary.reported_points
@@ -169,7 +169,7 @@ def _join_paragraphs(*paragraphs: Paragraph) -> str:
 
 
 def resolution_and_onset_text(summary: Summary, *, verbose: bool = False) -> str:
-    """Return text on the onset of sliding; if `verbose`, it also covers friction at several cutoffs."""
+    """Return text on the onset of sliding and, if `verbose`, on friction at several cutoffs."""
     if not any(math.isfinite(point.value) for point in summary.points):
         return ""
     paragraphs: list[Paragraph] = []
@@ -251,7 +251,7 @@ def interpolation_records(
 
 
 def _select_printed_points(points: Sequence[PointSummary]) -> Sequence[PointSummary]:
-    """Select at most `MAX_PRINTED_POINTS` result points; along each coordinate, they are evenly spaced."""
+    """Select at most `MAX_PRINTED_POINTS` result points that are evenly spaced along each coordinate."""
     coordinate_values = {name: list(dict.fromkeys(point.at[name] for point in points)) for name in points[0].at}
     if "hurst_exponent" in coordinate_values:
         coordinate_values.pop("fractal_dimension", None)
@@ -270,7 +270,7 @@ def _select_printed_points(points: Sequence[PointSummary]) -> Sequence[PointSumm
 
 
 def _select_points_of_first_cell(points: Sequence[PointSummary], loads: Collection[float]) -> list[PointSummary]:
-    """Return result points at given loads (mN) whose surfaces, mu0 and tau0 are those of the first point."""
+    """Return the result points at given loads (mN) with the same surfaces, mu0 and tau0 as the first result point."""
     first_coordinates = points[0].at.items()
     return sorted(
         (
@@ -284,7 +284,7 @@ def _select_points_of_first_cell(points: Sequence[PointSummary], loads: Collecti
 
 
 def _first_cell_coordinates_text(points: Sequence[PointSummary]) -> str:
-    """Return as text those coordinates of the first result point that describe its surfaces, such as "H = 0.9".
+    """Return the coordinates that describe the surfaces of the first result point as text, such as "H = 0.9".
 
     Returns "" if all points share these coordinates.
     """
@@ -293,7 +293,7 @@ def _first_cell_coordinates_text(points: Sequence[PointSummary]) -> str:
 
 
 def _list_varying_coordinates(points: Sequence[PointSummary]) -> list[str]:
-    """Return the names of the coordinates that vary between result points.
+    """Return the names of the coordinates, such as "load", that differ between result points.
 
     The Hurst exponent H replaces the fractal dimension D if both are known.
     """
@@ -322,7 +322,7 @@ def _pull_off_lines(points: Sequence[PointSummary]) -> list[str]:
 
 
 def coefficients_paragraph(points: Sequence[PointSummary]) -> Paragraph:
-    """Return a paragraph on coefficients: a line per sliding rule for one result point, or a table for several."""
+    """Return a paragraph on coefficients: a line per sliding rule for one load, mu0 and tau0, otherwise a table."""
     varying_names = sorted(_list_varying_coordinates(points), key=lambda name: name != "hurst_exponent")
     if len(points) == 1:
         (point,) = points
@@ -344,7 +344,7 @@ def coefficients_paragraph(points: Sequence[PointSummary]) -> Paragraph:
 
 
 def _table_coordinate_text(point: PointSummary, name: str) -> str:
-    """Return a result point's coordinate as table text; for mu0 and tau0, it includes the range in brackets."""
+    """Return a result point's coordinate as text for a table, with the range of mu0 or tau0 in brackets."""
     if name == "load":
         return point_load_text(point)
     has_range = name in ("mu0", "tau0") and point.are_strengths_separated
@@ -366,7 +366,7 @@ def _direction_paragraphs(point: PointSummary, *, verbose: bool) -> list[Paragra
 
 
 def _sort_rules_of_directions(point: PointSummary) -> list[SlidingRuleCoefficient]:
-    """Sort the coefficients of a result point (one per sliding rule) into the column order of tables by direction.
+    """Sort the coefficients for all sliding rules into the order of columns in tables by direction.
 
     The first column is for the rule "all", unless an interface was fitted under the other rule.
     """

@@ -92,7 +92,10 @@ def _read_sheets(
 
 
 def _mark_formulas_without_values(rows: _Rows, formulas: _Rows) -> _Rows:
-    """Write a marker word into cells whose formula has no stored result, because empty cells mean missing points."""
+    """Write a marker word into cells that contain a formula without a stored result.
+
+    Without the marker, such cells would be empty, and empty cells mean missing points.
+    """
     marked_rows = []
     for row_index, formula_row in enumerate(formulas):
         row = rows[row_index] if row_index < len(rows) else ()
@@ -109,7 +112,7 @@ def _mark_formulas_without_values(rows: _Rows, formulas: _Rows) -> _Rows:
 
 
 def _check_archive(data: bytes) -> bool:
-    """Check the content size of a workbook, and return whether it contains formulas without stored results.
+    """Reject a workbook whose content is too large, and return whether it has formulas without stored results.
 
     Raises `FormatError` for too much text or too many XML tags, regardless of the sizes that the archive declares.
     """

@@ -134,7 +134,7 @@ def _parse_missing_markers(given: Any) -> tuple[tuple[float, ...], tuple[str, ..
 
 
 def _flatten_single_line(raw: RawHeights) -> RawHeights:
-    """Convert a matrix of heights with a single row or column to a profile."""
+    """Convert a matrix of heights that has only one row or one column to a profile."""
     if raw.heights.ndim == 1 or min(raw.heights.shape) > 1:
         return raw
     profile_axis = int(raw.heights.shape[1] > 1)
@@ -360,7 +360,7 @@ def _convert_heights(raw: RawHeights, options: ReadOptions) -> tuple[Floats, str
 
 
 def _choose_height_unit(raw: RawHeights, given: str | None) -> tuple[str, list[FileCaveat], list[str]]:
-    """Return the unit of the heights, caveats about the file, and entries for the history of the scan.
+    """Return the height unit, a list of caveats about the file, and entries for the history of the scan.
 
     If the file declares a factor with a unit, this unit has priority.
     """
@@ -411,7 +411,7 @@ def _describe_unclear_spacing(raw: RawHeights) -> str:
 
 
 def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> None:
-    """Raise `FormatError` if a header's spacing without a unit differs from the user's spacing in every possible unit.
+    """Raise `FormatError` if a header's spacing without a unit contradicts the user's spacing, whatever its unit is.
 
     Two spacings in a header line of uncertain meaning must equal the user's spacings in either order.
     """
@@ -455,7 +455,7 @@ def _reject_contradicting_grid(raw: RawHeights, spacing: tuple[float, float]) ->
 def _compute_spacings_from_size(
     size: tuple[DeclaredLength, DeclaredLength], shape: tuple[int, ...], given: tuple[Quantity | None, Quantity | None]
 ) -> tuple[tuple[float, float], list[str]]:
-    """Compute the spacings of a map from the declared size; return the spacings, and an entry for the map's history.
+    """Compute a map's spacings from the size that the file declares; return them with an entry for the map's history.
 
     A spacing given by the user is preferred, and must agree with the declared size within its rounding or 0.1 %.
     """
@@ -546,7 +546,7 @@ def _determine_profile_spacing(
 
 
 def _find_spacing_as_height(raw: RawHeights, given: Quantity | None) -> list[FileCaveat]:
-    """Return a caveat if the first or last height equals the given spacing: the number may be the spacing."""
+    """Return a caveat if the first or the last height equals the user's spacing, and so may not be a height."""
     if given is None or raw.positions is not None or any(caveat.name == "first-number" for caveat in raw.caveats):
         return []
     end_numbers = {"first": float(raw.heights[0])}
@@ -587,7 +587,7 @@ class _PositionResolution:
 def _find_worst_unexplained_deviation(
     x: Floats, spacing: float, resolution: _PositionResolution, slack: float
 ) -> tuple[int, float] | None:
-    """Find the position whose deviation from a uniform grid most exceeds its rounding; return its index and deviation.
+    """Return index and deviation of the position farthest from a uniform grid, beyond the rounding of printed digits.
 
     Returns None if rounding explains all deviations. The place values of the printed digits are computed only if the
     exact positions deviate from a uniform grid.

@@ -46,7 +46,7 @@ def parse_header_integer(
 
 @dataclass(frozen=True)
 class TextLayout:
-    """File layout of an instrument: layout name, and functions that recognise and read text files in this layout."""
+    """Layout of an instrument's text files: layout name, and functions that recognise and read such a file."""
 
     name: str
     recognises: Callable[[DecodedText], bool]
@@ -55,7 +55,7 @@ class TextLayout:
 
 @dataclass(frozen=True)
 class WorkbookLayout:
-    """Workbook layout of an instrument: layout name, and functions that recognise and read Excel workbooks."""
+    """Layout of an instrument's Excel workbooks: layout name, and functions that recognise and read such a workbook."""
 
     name: str
     recognises: Callable[[WorkbookSheets], bool]

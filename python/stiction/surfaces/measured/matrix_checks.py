@@ -95,7 +95,7 @@ def reject_separate_blocks(lengths: Sequence[int], first_lines: Sequence[int]) -
 
 
 def find_grid_columns(values: Floats) -> tuple[int, int] | None:
-    """Return the two columns that contain the coordinates of grid points.
+    """Return the two columns of a table that contain the x and y coordinates of points on a grid.
 
     Returns None if there are no such columns.
 

@@ -354,7 +354,7 @@ def _find_excessive_height_range(scan: ScannedHeights) -> Iterator[str]:
 
 
 def _find_contradicted_height_range(scan: ScannedHeights) -> Iterator[str]:
-    """Report a height range that far exceeds the declared range, or is the declared range divided by a power of 1000.
+    """Report heights whose range is far larger than the declared range, or smaller by a power of 1000.
 
     A declared range that is larger by any other factor may be the measuring range of the instrument.
     """

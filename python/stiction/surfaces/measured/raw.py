@@ -109,7 +109,7 @@ class DeclaredLength:
     line: str = ""
 
     def to_micrometres(self) -> float:
-        """Convert the length to µm.
+        """Convert the declared length to µm.
 
         Raises `FormatError` if the length is too small or too large for the spacing or the size of a scan.
         """
@@ -124,7 +124,7 @@ class DeclaredLength:
 
     @property
     def digit_in_micrometres(self) -> float:
-        """Place value (µm) of the last digit of the length."""
+        """Place value (µm) of the last digit with which the length is written in the file."""
         return self.digit * LENGTH_UNITS[self.unit]
 
 
@@ -334,7 +334,7 @@ def parse_positive_number(text: str, place: str) -> float:
 
 
 def read_member_chunks(archive: zipfile.ZipFile, name: str, max_bytes: int) -> Iterator[bytes]:
-    """Yield the content of a file in a zip archive in pieces; together, the pieces have at most `max_bytes`.
+    """Yield the content of a file in a zip archive in pieces, which together have at most `max_bytes` bytes.
 
     The size that the archive declares is not trusted.
     """

@@ -309,7 +309,7 @@ def read_measurement(
     missing_value: MissingValueCodes | None = None,
     accept: str | Sequence[str] | None = None,
 ) -> Profile | Surface:
-    """Read a measured profile or surface; the content of the file decides between the two.
+    """Read a measured profile or height map; the content of the file determines which of the two is returned.
 
     Parameters
     ----------
@@ -466,7 +466,7 @@ def _reject_described_slopes(path: Path) -> None:
 
 
 def _read_binary_file(path: Path) -> ReaderResult:
-    """Read a binary file that was expected to be text, by means of the package SurfaceTopography."""
+    """Read a file that turned out to be binary instead of text, with the package SurfaceTopography."""
     if is_reader_installed():
         try:
             return read_instrument_file(path)

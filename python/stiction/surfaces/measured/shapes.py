@@ -167,7 +167,7 @@ def _list_column_numbers(table: ColumnTable) -> Sequence[int]:
 
 
 def _select_heights(table: ColumnTable, selected: Sequence[NameOrIndex]) -> RawHeights:
-    """Return the heights from selected columns; a selection is (z), (positions, z) or (x, y, z)."""
+    """Return the heights in one to three selected columns of a table: (z), (positions, z) or (x, y, z)."""
     numbers = _list_column_numbers(table)
     indices = [_find_column_or_channel_index(table.names, item, numbers, "column") for item in selected]
     description = ", ".join(
@@ -339,7 +339,7 @@ def _reject_positions_above_heights(column: Floats) -> None:
 
 
 def _remove_leading_count(heights: Floats, width: int) -> tuple[Floats, tuple[str, ...]]:
-    """Remove the first number of a column if it is the count of the heights below.
+    """Remove the first number of a column if it states how many heights follow.
 
     Returns the heights and, if a number was removed, a history entry.
     """
@@ -392,7 +392,7 @@ def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
 
 
 def _find_calculated_column_caveat(table: ColumnTable, place: int) -> tuple[FileCaveat, ...]:
-    """Return a caveat if the name of a column of heights is a calculation, such as "z x 1000"."""
+    """Return a caveat if a column's name suggests a calculation, such as "z x 1000", or the counts of a converter."""
     name = table.names[place] if table.names else ""
     is_raw = _RAW_HEIGHTS_PATTERN.fullmatch(name) is not None and _list_column_units(table)[place] is None
     if is_raw and table.declared.unit is None:
@@ -493,7 +493,7 @@ def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex]
 
 
 def _fill_missing_rows_with_nan(values: Floats, missing: NDArray[np.bool_], places: Sequence[int]) -> Floats:
-    """Return the numbers of a table, but set rows of missing points to NaN.
+    """Return the numbers of a table, with NaN in rows that stand for missing points.
 
     Columns of positions are not changed.
     """
@@ -714,7 +714,7 @@ def has_equal_steps(values: Floats, slack: float = 0.0) -> bool:
 
 
 def _has_equal_steps_as_printed(values: Floats, digits: Callable[[], Floats] | None) -> bool:
-    """Return whether printed numbers rise or fall in steps that are equal within rounding to the last digit."""
+    """Return whether printed numbers rise or fall in equal steps, apart from rounding to the last printed digit."""
     if has_equal_steps(values):
         return True
     if digits is None or values.size < 5 or not np.isfinite(values[1:]).all():

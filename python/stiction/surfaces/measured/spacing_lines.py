@@ -256,7 +256,7 @@ def _parse_optional_unit(unit: str | None) -> str | None:
 def find_first_match(
     pattern: LazyPattern, lines: Sequence[str], parse_match: Callable[[re.Match[str]], _T | None]
 ) -> _T | None:
-    """Parse header lines whose start matches a pattern, and return the first successful result.
+    """Return the result of the first header line that starts with a pattern and can be parsed by `parse_match`.
 
     Returns None if no line can be parsed.
     """

@@ -266,7 +266,7 @@ def _truncate_line(line: str, width: int) -> str:
 
 
 def _interpret_commas(text: DecodedText, first: int, sample: list[str], dialect: Dialect) -> Dialect:
-    """Decide whether commas separate cells or mark decimals or do both, and return the resulting dialect."""
+    """Decide whether commas separate cells, mark decimals, or do both; return the number format that follows."""
     rows = [dialect.split_line(line) for line in sample]
     width = len(rows[0])
     possible_decimals = [cell for row in rows for cell in row[1::2]]

@@ -41,7 +41,7 @@ def find_layout(text: DecodedText) -> TextLayout | None:
 
 
 def record_layout_and_encoding(content: ReaderResult, text: DecodedText, layout: str) -> ReaderResult:
-    """Return content parsed from a text file, with the file's layout and encoding added to the attribute `source`."""
+    """Return content parsed from a text file, with the layout and encoding of this file added to its `source`."""
     if isinstance(content, HeightChannels):
         read_channel = content.read
         return replace(content, read=lambda line: record_layout_and_encoding(read_channel(line), text, layout))  # type: ignore[arg-type, return-value]

@@ -263,7 +263,7 @@ def _reject_unreadable_line(text: DecodedText, dialect: Dialect, width: int, run
 def _repeats_words(
     text: DecodedText, dialect: Dialect, kinds: list[str | None], cells: list[str], other_line: int
 ) -> bool:
-    """Return whether another line has cells of the same kinds (such as number or text) as a row, and the same words.
+    """Return whether another line repeats a row's pattern: cells of the same kinds (number or text), and equal words.
 
     Adjacent rows often repeat a word, but the lines of a header rarely do. The result is false if none of several cells
     is a number.

@@ -59,7 +59,7 @@ _LUMINANCE_WEIGHTS = np.array([0.2126, 0.7152, 0.0722])  # red, green, blue
 
 
 def heading_lines(points: xarray.Dataset, study: Study) -> list[str]:
-    """Return the heading of a figure as lines: contact model, sliding rule, direction, missing repetitions.
+    """Return the heading lines of a figure: contact model, sliding rule, direction, and unfinished repetitions.
 
     Model, rule and direction are left out for the model of the paper.
     """
@@ -105,7 +105,7 @@ def create_figure_with_axes_rows(
 
 
 def friction_figure(values: FrictionOverDimension) -> Figure:
-    """Draw friction in charts over fractal dimension and load, and as curves over fractal dimension.
+    """Draw friction coefficients as charts over fractal dimension and load, and as curves over fractal dimension.
 
     There is one chart for each tau0, and one row of panels for each amplitude. Cells of a chart are hatched if the
     model is not valid, and grey if the 95 % interval is wide.
@@ -459,7 +459,7 @@ def _draw_area_curves(axes: list[Axes], areas: xarray.Dataset, *, label_distance
 
 
 def profiles_figure(profiles: Mapping[float, Profile], study: Study) -> Figure:
-    """Draw profiles of several fractal dimensions: in full length on the left, over one length scale on the right.
+    """Draw profiles of several fractal dimensions: whole profiles on the left, one length scale of each on the right.
 
     `profiles` comes from `generate_profiles`.
     """

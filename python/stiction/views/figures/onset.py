@@ -1,4 +1,4 @@
-"""Figures of the onset of sliding: tangential load over displacement, load cycles, and slipping fractions."""
+"""Figures of the onset of sliding: tangential load over displacement, load cycles, and slipping area and load."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ LOAD_CYCLE_COLOURS = ("0.55", FRICTION_COLOUR)
 
 
 def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure 80 mm wide: tangential load against displacement, load cycles, and slipping fractions against load.
+    """Draw a figure 80 mm wide: tangential load over displacement, load cycles, and slipping area and load.
 
     `onset` comes from `compute_onset`. A half-plane has no displacement, so only the slipping fractions are drawn.
     """
@@ -198,7 +198,7 @@ def _draw_slip_map(axes: Axes, slip: Floats, box: tuple[float, ...], colour_norm
 
 
 def _densest_contact_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice], tuple[float, float, float, float]]:
-    """Return the part of a slip map with most contact points per area: row and column slices, and edges (µm)."""
+    """Return the part of a slip map with the most contact points: its row and column slices, and its edges (µm)."""
     is_contact = np.isfinite(onset["slip"].values)
     window_shape = [min(max(length // ZOOM_FACTOR, MIN_ZOOM_SIDE_POINTS), length) for length in is_contact.shape]
     contact_density = is_contact.astype(np.int64)
@@ -213,7 +213,7 @@ def _densest_contact_window(onset: xarray.Dataset) -> tuple[tuple[slice, slice],
 
 
 def _sum_with_triangular_weights(counts: NDArray[np.int64], width: int, axis: int) -> NDArray[np.int64]:
-    """Return moving sums of counts along an axis, with triangular weights.
+    """Return moving sums of point counts along an axis, with triangular weights.
 
     The weights fall from `width` to 1, so that a group of counts has its largest sum at its centre. Beyond the edges,
     the counts are 0.

@@ -89,14 +89,14 @@ def common_script_data(
 
 
 def _shear_strength_limit(modulus: float) -> dict[str, Any]:
-    """Return the largest plausible tau0 (MPa), and the text that a report shows if a slider's tau0 exceeds it."""
+    """Return the largest plausible tau0 (MPa), and the text that a report shows if a slider is set above it."""
     ratio = friction.MAX_SHEAR_STRENGTH_RATIO
     text = f"τ0 is above {format_percent(ratio)} of the effective modulus, {format_with_unit(ratio * modulus, 'GPa')}."
     return {"limit": 1000 * ratio * modulus, "text": text}
 
 
 def _slider_settings(axes: tuple[ParameterAxis, ParameterAxis], study: Study) -> dict[str, Any]:
-    """Return settings of the sliders for mu0 and tau0 (MPa): all values, initial value, and values with a range."""
+    """Return settings of the mu0 and tau0 (MPa) sliders: all values, initial value, and values with an input range."""
     initial_values = (
         study.friction.mu0[0 if study.is_measured else len(study.friction.mu0) // 2],
         float(study.friction.tau0[0]),

@@ -201,7 +201,7 @@ def _onset_panels(onset: xarray.Dataset, study: Study, title: str) -> list[Figur
 
 
 def _height_factors_panel(points: xarray.Dataset, scaled_bodies: ScaledBodies, title: str) -> FigurePanel:
-    """Return the panel that shows how scaled heights affect friction, at the first load, mu0 and tau0 of the study."""
+    """Return the panel that shows how multiplied heights affect friction, at the study's first load, mu0 and tau0."""
     surfaces_text, factors = NAMES_OF_SCALED_SURFACES[scaled_bodies], points["height_scale"].values
     return FigurePanel(
         f"Another finish of {surfaces_text}",

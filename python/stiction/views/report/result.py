@@ -171,7 +171,7 @@ def _compose_content(result: Evaluation, get_data: Callable[[], _AnyReportData],
 
 
 def _check_can_render(result: Evaluation) -> None:
-    """Raise a `ReportError` for generated surfaces with no pair solved at all loads, and for too many coefficients."""
+    """Raise a `ReportError` if no pair of generated surfaces is solved at all loads, or for too many coefficients."""
     try:
         study = result.study
     except ValueError as error:

@@ -27,7 +27,7 @@ MAX_SHORTEST_OCTAVE_FRACTION = 0.1
 def surface_page(
     body: Profile | Surface | Characterisation, *, name: str, command: str, reading: str = "", **options: Any
 ) -> HtmlPage:
-    """Return the report page for a levelled profile or surface; it includes the command and the reading options.
+    """Return the report page for a levelled profile or surface, including the command and the reading options.
 
     `options` are the options of `characterisation_text`.
     """

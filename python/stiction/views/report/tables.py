@@ -152,7 +152,7 @@ def estimate_with_unit_text(point: Sequence[float], unit: str) -> str:
 
 @dataclass(frozen=True, eq=False)
 class QuantityEstimates:
-    """Estimates, in a report, of a quantity that does not depend on mu0 or tau0.
+    """Estimates that a report shows for a quantity that does not depend on mu0 or tau0.
 
     Attributes
     ----------

@@ -31,7 +31,7 @@ _COMMENT_LINE_PATTERN = re.compile(r"#\s*[^:=]{1,40}[:=]\s*(\S.{0,80})?")
 
 
 def _parse_channel_comments(lines: Sequence[str]) -> list[str]:
-    """Return the four comments directly above a channel, which are name, width, height and unit in any language."""
+    """Return the four comments above the heights of a channel: name, width, height and unit, in any language."""
     comments = []
     for line in map(normalise_line, lines):
         if not line.startswith("#"):
