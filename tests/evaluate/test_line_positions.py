@@ -360,7 +360,7 @@ def test_pairing_of_lines_replaces_the_selected_profile_by_surrogates():
     [
         ({"positions": [1.0, 1.0]}, "positions must differ"),
         ({"positions": [-1.0]}, "positions must be at least 0"),
-        ({"positions": [26.0]}, "the slider has at least half of the length of the shorter profile"),
+        ({"positions": [26.0]}, "leave a slider shorter than half of the shorter profile"),
         ({"positions": ["2 mN"]}, "positions has the unit 'mN'"),
         ({"positions": [0.0], "offsets": 3}, "offsets must not be given with positions"),
         ({"positions": [0.0], "travel": "1 um"}, "travel must not be given with positions"),

@@ -255,7 +255,7 @@ class GapMemberSource:
     def member(self, index: int) -> EnsembleMember:
         """Return the single member of this source: a flat face and a rough face."""
         if index > 0:
-            raise ValueError(f"member of a gap must be 0, because a gap has a single relative position, got {index}")
+            raise ValueError(f"member index of a gap must be 0, got {index}; a gap has a single relative position")
         return EnsembleMember((self.flat, self.rough), 0.0, 0.0)
 
     def find_shared_properties(self) -> SharedMemberProperties:

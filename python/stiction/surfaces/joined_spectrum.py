@@ -307,9 +307,9 @@ def _find_reliable_band(
     longest_wavelength = MAX_WAVELENGTH_TO_SIDE * side_length
     if not shortest_wavelength < longest_wavelength:
         raise ValueError(
-            f"scans must have a reliable band, but a scan with a side of {side_length:g} µm has none: reliable "
-            f"wavelengths are above {shortest_wavelength:g} µm ({reason}) and below {longest_wavelength:g} µm "
-            "(a third of the side)"
+            f"scans must have a band of reliable wavelengths, but a scan with a side of {side_length:g} µm has none: "
+            f"reliable wavelengths are above {shortest_wavelength:g} µm ({reason}) and below "
+            f"{longest_wavelength:g} µm (a third of the side)"
         )
     return (shortest_wavelength, longest_wavelength), reason
 

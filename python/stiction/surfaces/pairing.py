@@ -117,8 +117,8 @@ class LinePairs:
         if start < 0 or 2 * slider_points < min(upper_points, track_points) - 1:
             max_travel = (track_points - min(upper_points, track_points) // 2) * spacing
             raise ValueError(
-                f"travel must be between 0 and {max_travel:g} µm, so that the slider has at least half of the length "
-                f"of the shorter profile, got {short_repr(self.travel)}"
+                f"travel must be between 0 and {max_travel:g} µm, got {short_repr(self.travel)}; a longer travel would "
+                "leave a slider shorter than half of the shorter profile"
             )
         slider_profile = (
             upper_line if slider_points == upper_points else cropped(upper_line, 0.0, slider_points * spacing)
