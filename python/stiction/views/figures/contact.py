@@ -17,6 +17,7 @@ from stiction._checks import Floats
 from stiction._drawing import HEIGHT_COLOUR_MAP, PRESSURE_COLOUR_MAP, add_scale_bar, map_extent
 from stiction._number_format import format_with_unit
 from stiction.summary.figure_values import find_opposing_contacts
+from stiction.views.figures.column_layout import ColumnLayout
 from stiction.views.style import (
     FORCE_COLOUR,
     FRICTION_COLOUR,
@@ -200,6 +201,10 @@ def _draw_forces(
 
 
 _MAX_MARKER_AREA = 60.0  # square points
+_COLOUR_BAR_POSITION = (1.05, 0.1, 0.04, 0.8)
+"""Left, bottom, width and height of a colour bar, relative to the axes of its map."""
+COLOUR_BAR_MARGIN = 40.0
+"""Margin for a colour bar with its labels to the right of a map (points)."""
 
 
 def contacts_and_pressure_figure(
@@ -212,7 +217,7 @@ def contacts_and_pressure_figure(
     """
     force = picture["contact_force"].values
     has_pressure = "zoom_pressure" in picture and bool((picture["zoom_pressure"].values > 0).any())
-    figure = new_figure(144 if has_pressure else 86)
+    figure = new_figure(144 if has_pressure else 86, layout=ColumnLayout(right_margin=COLOUR_BAR_MARGIN))
     panels = figure.subplots(2 if has_pressure else 1, 1, squeeze=False)[:, 0]
     axes = panels[0]
     draw_height_map(figure, axes, picture["lower_height"].values, picture_extent(picture, "height"))
@@ -262,7 +267,7 @@ def draw_height_map(figure: Figure, axes: Axes, heights: Floats, box: tuple[floa
     image = axes.imshow(
         scaled_heights, extent=box, origin="lower", cmap="gray", vmin=lowest_height, vmax=highest_height
     )
-    colour_bar = figure.colorbar(image, ax=axes, extend="both", shrink=0.8)
+    colour_bar = figure.colorbar(image, cax=axes.inset_axes(_COLOUR_BAR_POSITION), extend="both")
     colour_bar.set_label("lower body, " + axis_label("height_nm" if in_nanometres else "height"))
     label_map_axes(axes, box)
 
@@ -301,13 +306,11 @@ def _draw_pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, ha
         np.where(pressure > 0, pressure, np.nan), extent=box, origin="lower", cmap=PRESSURE_COLOUR_MAP, vmin=0,
         vmax=hardness if hardness is not None and float(np.nanmax(pressure)) >= 0.99 * hardness else None,
     )  # fmt: skip
-    colour_bar = figure.colorbar(image, ax=axes, shrink=0.8)
+    colour_bar = figure.colorbar(image, cax=axes.inset_axes(_COLOUR_BAR_POSITION))
     colour_bar.set_label(axis_label("pressure"))
     if hardness is not None and image.get_clim()[1] >= 0.99 * hardness:
         colour_bar.ax.axhline(hardness, color="black", linewidth=1)
-        colour_bar.ax.text(
-            0.5, 1.02, "hardness", transform=colour_bar.ax.transAxes, fontsize=6, ha="center", va="bottom"
-        )
+        colour_bar.ax.text(0, 1.02, "hardness", transform=colour_bar.ax.transAxes, fontsize=6, ha="left", va="bottom")
     is_at_edge = picture["contact_at_edge"].values[picture["contact_force"].values.argmax()] > 0
     title = "around the contact with the largest load (frame above)"
     title += "\nthe edge of the pressed area cuts this contact" if is_at_edge else ""
@@ -330,7 +333,7 @@ def contact_map_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Fi
         (NOT_OPPOSING_CONTACT_COLOUR, "assists motion"),
     ] + [(EDGE_CONTACT_COLOUR, "cut by the edge")] * bool(is_cut.any())
     if "gap" in picture:
-        figure = new_figure(70)
+        figure = new_figure(70, layout=ColumnLayout(legend_at="top"))
         _draw_profile_contacts(
             figure.subplots(2, 1, height_ratios=[1, 2.5]),
             picture,
@@ -338,7 +341,7 @@ def contact_map_figure(picture: xarray.Dataset, *, direction: float = 0.0) -> Fi
             is_cut,
         )
     else:
-        figure = new_figure(80)
+        figure = new_figure(80, layout=ColumnLayout(legend_at="top"))
         _draw_contact_map(figure.subplots(), picture, is_opposing, is_cut)
     figure.legend(
         handles=[Patch(color=colour, label=description) for colour, description in colours_and_labels],

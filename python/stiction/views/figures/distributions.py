@@ -13,6 +13,7 @@ from stiction._checks import Floats
 from stiction._drawing import set_log_tick_labels
 from stiction._number_format import format_with_unit
 from stiction.evaluate.point import MEAN_AND_LIMITS, select_sliding_rule
+from stiction.views.figures.column_layout import ColumnLayout
 from stiction.views.style import (
     SLIDING_RULE_COLOURS,
     SLIDING_RULE_LABELS,
@@ -140,7 +141,7 @@ def friction_by_position_figure(point: xarray.Dataset, *, title: str = "") -> Fi
     ascending order. Directions are not averaged, because a test slides in one direction.
     """
     member_friction = point["member_friction"]
-    figure = new_figure(62)
+    figure = new_figure(62, layout=ColumnLayout())
     axes = figure.subplots()
     by_offset = _has_single_profile_pair(member_friction)
     highest_coefficient = float(np.nanmax(member_friction.values)) if np.isfinite(member_friction.values).any() else 1.0

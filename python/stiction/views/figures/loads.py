@@ -19,6 +19,7 @@ from stiction.companions.contact_picture import LOADS_RELATIVE_TO_PULL_OFF
 from stiction.companions.resolution import ResolutionLimits
 from stiction.evaluate.point import MEAN_AND_LIMITS, select_sliding_rule
 from stiction.mechanics.quantities import find_interval_kind
+from stiction.views.figures.column_layout import ColumnLayout
 from stiction.views.style import (
     ALL_CONTACTS_COLOUR,
     AREA_COLOUR,
@@ -201,7 +202,7 @@ def _draw_resolution_limits(friction_axes: Axes, area_axes: Axes, limits: Resolu
 def _friction_and_area_figure(
     points: xarray.Dataset, dimension: str, x: Floats, title: str, limits: ResolutionLimits | None = None
 ) -> Figure:
-    figure = new_figure(114)
+    figure = new_figure(114, layout=ColumnLayout())
     friction_axes, area_axes = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
     has_combined = "friction_combined" in points
     for rule in _list_sliding_rules(points):

@@ -20,7 +20,14 @@ from stiction.companions.contact_picture import MIN_ZOOM_SIDE_POINTS, ZOOM_FACTO
 from stiction.evaluate.point import MEAN_AND_LIMITS
 from stiction.study.study import Study
 from stiction.summary.assessment import MAX_AFFECTED_FRACTION
-from stiction.views.figures.contact import draw_height_map, draw_zoom_border, label_map_axes, picture_extent
+from stiction.views.figures.column_layout import ColumnLayout
+from stiction.views.figures.contact import (
+    COLOUR_BAR_MARGIN,
+    draw_height_map,
+    draw_zoom_border,
+    label_map_axes,
+    picture_extent,
+)
 from stiction.views.figures.ensemble import (
     HEADING_HEIGHT,
     create_figure_with_axes_rows,
@@ -52,7 +59,7 @@ def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     mean_onset = onset.sel(statistic="mean")
     displacement, load = (_prepend_zero(mean_onset[name].values) for name in ("displacement", "tangential_load"))
     has_displacement = bool(np.isfinite(displacement).all())
-    figure = new_figure(114 if has_displacement else 66)
+    figure = new_figure(114 if has_displacement else 66, layout=ColumnLayout())
     panels = figure.subplots(
         2 if has_displacement else 1, 1, squeeze=False, height_ratios=[1.25, 1] if has_displacement else [1]
     )[:, 0]
@@ -134,6 +141,8 @@ def _build_masing_cycle(displacement: Floats, load: Floats, amplitude: float) ->
 
 
 _MAX_MARKER_AREA = 60.0  # square points
+_SLIP_COLOUR_BAR_MARGIN = 42.0
+"""Margin for the colour bar below a slip map (points)."""
 
 
 def contains_slip_map(onset: xarray.Dataset) -> bool:
@@ -151,7 +160,9 @@ def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     colour of the marker shows the load at which the contact slides.
     """
     has_point_map = "slip" in onset
-    figure = new_figure(144 if has_point_map else 86)
+    height = 144 if has_point_map else 86
+    layout = ColumnLayout(right_margin=COLOUR_BAR_MARGIN, bottom_margin=_SLIP_COLOUR_BAR_MARGIN)
+    figure = new_figure(height, layout=layout)
     panels = figure.subplots(2 if has_point_map else 1, 1, squeeze=False)[:, 0]
     colours = mpl.colormaps[SLIP_COLOUR_MAP]
     colour_norm = BoundaryNorm([0.0, *onset["fraction"].values], colours.N)
@@ -175,9 +186,8 @@ def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
         )  # fmt: skip
     colour_bar = figure.colorbar(
         ScalarMappable(colour_norm, colours),
-        ax=panels[-1],
+        cax=figure.add_axes((0.15, 9 / height, 0.6, 3 / height)),
         location="bottom",
-        shrink=0.8,
         ticks=[0, 0.2, 0.4, 0.6, 0.8, 1],
     )
     colour_bar.set_label(
