@@ -386,7 +386,10 @@ class MeasuredPair:
         if isinstance(self.options.interface, InterfaceStrength):
             return self.options.interface
         if not isinstance(self.options.interface, (str, Path)):
-            raise ArgumentError("{interface} must be a name, or a file written by write_interface")
+            raise ArgumentError(
+                "{interface} must be a name, or a file written by write_interface, got {got}",
+                got=short_repr(self.options.interface),
+            )
         try:
             return InterfaceStrength.named(self.options.interface)
         except ValueError as error:
