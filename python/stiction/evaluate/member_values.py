@@ -88,7 +88,7 @@ def member_values(
     """
     check_choice("load_definition", load_definition, LoadDefinition)
     if load_definition == "mean":
-        raise ValueError("load_definition must be 'elastic' or 'normal', because a single member has no mean load")
+        raise ValueError("load_definition must be 'elastic' or 'normal' for single members, got 'mean'")
     result = MemberSums.of(result)
     unique_loads = np.unique(np.atleast_1d(float_array("loads", loads)))
     strengths = choose_mu0_and_tau0(result, mu0, tau0)

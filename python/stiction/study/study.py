@@ -401,8 +401,9 @@ class Study(SettingsSection):
         figure_names, friction, steps = self.figures.draw, self.friction, self.contact.loading_steps()
         if friction.load and not steps[0] <= float(friction.load[0]) <= float(friction.load[-1]) <= steps[-1]:
             raise ValueError(
-                f"friction.load: must be from {steps[0]:g} to {steps[-1]:g} mN, the limits of contact.load; omit "
-                "contact.load to compute loads around friction.load"
+                f"friction.load: must be from {steps[0]:g} to {steps[-1]:g} mN, the limits of contact.load, got "
+                f"{float(friction.load[0]):g} to {float(friction.load[-1]):g} mN; omit contact.load to compute loads "
+                "around friction.load"
             )
         if not self.is_measured:
             self._require_exact_inputs()
