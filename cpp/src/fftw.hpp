@@ -1,6 +1,8 @@
 // FFTW transforms and aligned buffers. No other file includes FFTW.
 #pragma once
 
+#include "huge_pages.hpp"
+
 #include <complex>
 #include <cstddef>
 #include <memory>
@@ -22,6 +24,7 @@ class AlignedBuffer {
     if (bytes > bytes_) {
       memory_.reset();
       memory_.reset(static_cast<std::byte*>(::operator new(bytes, std::align_val_t{alignment})));
+      request_huge_pages(memory_.get(), bytes);
       bytes_ = bytes;
     }
     return reinterpret_cast<std::complex<Real>*>(memory_.get());

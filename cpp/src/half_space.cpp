@@ -1,6 +1,7 @@
 #include "stiction/half_space.hpp"
 
 #include "chunk_sums.hpp"
+#include "huge_pages.hpp"
 #include "multiversion.hpp"
 #include "stiction/dense_kernel.hpp"
 #include "stiction/preconditioner.hpp"
@@ -131,7 +132,7 @@ std::size_t previous_point(std::size_t point, std::size_t points, bool periodic)
 // Coarsen a gap along each row if `width` is 1, or along all columns together if `width` is the number of columns.
 void coarsen_gap_along(Values gap, std::size_t blocks, std::size_t old_points, std::size_t new_points,
                        std::size_t width, bool periodic, std::vector<double>& result) {
-  result.resize(blocks * new_points * width);
+  resize_on_huge_pages(result, blocks * new_points * width);
   const double step = relative_spacing(old_points, new_points, periodic);
   double* to = result.data();
   for (std::size_t block = 0; block < blocks; ++block) {
@@ -205,7 +206,7 @@ void refine_row(std::span<const double> row, bool periodic, std::span<double> re
 
 std::vector<double> refine_pressure(Values pressure, const Grid& from, const Grid& to, std::vector<double>& buffer) {
   const std::size_t columns = from.columns;
-  buffer.resize(to.rows * columns);
+  resize_on_huge_pages(buffer, to.rows * columns);
   const double step = relative_spacing(from.rows, to.rows, from.periodic);
   for (std::size_t i = 0; i < to.rows; ++i) {
     const Position position(static_cast<double>(i) * step, from.rows);
@@ -218,7 +219,8 @@ std::vector<double> refine_pressure(Values pressure, const Grid& from, const Gri
   if (to.columns == columns) {
     return buffer;
   }
-  std::vector<double> result(to.size());
+  std::vector<double> result;
+  resize_on_huge_pages(result, to.size());
   std::vector<double> padded;
   std::vector<double> midpoints;
   for (std::size_t i = 0; i < to.rows; ++i) {
@@ -253,7 +255,8 @@ class LevelSolver {
         cg_(std::move(start), mean * static_cast<double>(kernel_.grid().size()), bound, kernel_.grid().line,
             std::move(memory.cg)),
         response_(std::move(memory.response)) {
-    response_.assign(kernel_.grid().size(), 0.0F);
+    resize_on_huge_pages(response_, kernel_.grid().size());
+    std::fill(response_.begin(), response_.end(), 0.0F);
     if (kernels.blocks) {
       preconditioner_.emplace(kernel_.grid(), kernel_.stencil(), *kernels.blocks, std::move(memory.preconditioner));
     }
@@ -298,7 +301,7 @@ class LevelSolver {
   void recompute_potential(bool exact) {
     const Values pressure = cg_.pressure();
     std::vector<double> potential = cg_.take_potential();
-    potential.resize(pressure.size());
+    resize_on_huge_pages(potential, pressure.size());
     const bool is_single = !selected_points_ && !exact;
     if (selected_points_) {
       std::fill(potential.begin(), potential.end(), 0.0);
@@ -522,15 +525,18 @@ std::optional<LinearResponse> respond_on_area(const HalfSpaceGrids& grids, const
     }
   }
   Preconditioner precondition(grid, kernels.points->stencil(), *kernels.blocks, std::move(memory.preconditioner));
-  std::vector<double> pressure(grid.size(), 0.0);
+  std::vector<double> pressure;
+  resize_on_huge_pages(pressure, grid.size());
   std::vector<double>& potential = memory.cg.potential;
   std::vector<float>& residual = memory.cg.residual;
   std::vector<float>& direction = memory.cg.step;
   std::vector<float>& response = memory.response;
-  potential.resize(grid.size());
-  response.resize(grid.size());
-  residual.assign(grid.size(), 0.0F);
-  direction.assign(grid.size(), 0.0F);
+  resize_on_huge_pages(potential, grid.size());
+  resize_on_huge_pages(response, grid.size());
+  resize_on_huge_pages(residual, grid.size());
+  resize_on_huge_pages(direction, grid.size());
+  std::fill(residual.begin(), residual.end(), 0.0F);
+  std::fill(direction.begin(), direction.end(), 0.0F);
   const auto displace = [&] { kernels.points->displacement(direction, response, memory.workspace, pool, rows); };
   // All points start with equal pressures, because large first steps would leave round-off in the pressures.
   // Pressures from the preconditioner displace points of wide contacts very unequally, so that steps would be large.

@@ -1,5 +1,7 @@
 #include "stiction/preconditioner.hpp"
 
+#include "huge_pages.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -56,8 +58,9 @@ Preconditioner::Preconditioner(const Grid& area, Values stencil, const ElasticKe
       result_(std::move(arrays.result)),
       remainder_(std::move(arrays.remainder)),
       foundation_(blocks.grid().size()) {
-  result_.resize(area.size());
-  remainder_.assign(area.size(), 0.0F);
+  resize_on_huge_pages(result_, area.size());
+  resize_on_huge_pages(remainder_, area.size());
+  std::fill(remainder_.begin(), remainder_.end(), 0.0F);
   const Grid grid = block_grid(area);
   if (area.line || stencil.size() != stencil_.size() || blocks.grid().rows != grid.rows ||
       blocks.grid().columns != grid.columns) {

@@ -1,6 +1,7 @@
 #include "stiction/projected_cg.hpp"
 
 #include "chunk_sums.hpp"
+#include "huge_pages.hpp"
 #include "multiversion.hpp"
 
 #include <algorithm>
@@ -195,8 +196,10 @@ ProjectedCgSolver::ProjectedCgSolver(std::vector<double> pressure, double total,
       step_(std::move(arrays.step)) {
   const std::size_t size = pressure_.size();
   potential_.clear();
-  residual_.assign(size, 0.0F);
-  step_.assign(size, 0.0F);
+  resize_on_huge_pages(residual_, size);
+  resize_on_huge_pages(step_, size);
+  std::fill(residual_.begin(), residual_.end(), 0.0F);
+  std::fill(step_.begin(), step_.end(), 0.0F);
   if (size == 0 || size > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
     throw std::invalid_argument("ProjectedCgSolver: pressure must have at least 1 and fewer than 2^31 points");
   }
