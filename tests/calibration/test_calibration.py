@@ -313,19 +313,23 @@ def test_size_effect_of_a_tested_pair_has_a_caveat_only_at_loads_that_differ_fro
     assert f"({tested_load})), so the coefficient may be too {direction}" in text
 
 
+@cache
+def press_soft_pair(indent: str | None, **options: Any) -> Any:
+    """Return the result of a pair with the given size of hardness indents. The same options are solved only once."""
+    inputs = {"hardness": "0.5 GPa ± 10 %", "yield_exponent": 1.15, "indent": indent, **PAIR_OPTIONS}
+    return pair(*rough_surface_pair(0.05), **inputs | options)
+
+
 @pytest.mark.parametrize(("tested_indent", "indent"), [(None, None), ("2 um", "2 um"), ("2 um", None), (None, "2 um")])
 def test_size_effect_has_a_caveat_only_if_it_differs_between_the_pair_and_tests_of_the_pair(
     tested_indent, indent, tmp_path
 ) -> None:
-    def press_pair(**options: Any) -> Any:
-        return pair(*rough_surface_pair(0.05), hardness="0.5 GPa ± 10 %", yield_exponent=1.15, **PAIR_OPTIONS | options)
-
-    test = FrictionTest(press_pair(indent=tested_indent), "20 MPa", coefficient=0.25, uncertainty=0.002)
+    test = FrictionTest(press_soft_pair(tested_indent), "20 MPa", coefficient=0.25, uncertainty=0.002)
     law = calibrate([test], common=0.0, sliding="all")
     write_interface(law, tmp_path / "film")
-    result = press_pair(mu0=None, tau0=None, interface=tmp_path / "film", indent=indent)
+    result = press_soft_pair(indent, mu0=None, tau0=None, interface=tmp_path / "film")
     differences = [caveat for caveat in result.caveats if "τ0 of the interface belongs" in caveat.text]
-    predicted_caveats = predict_wanted_pair(law, press_pair(indent=indent)).caveats
+    predicted_caveats = predict_wanted_pair(law, press_soft_pair(indent)).caveats
     assert predicted_caveats == tuple(f"! {caveat.text}; {caveat.remedy}" for caveat in differences)
     if tested_indent == indent:
         assert not differences
@@ -337,7 +341,7 @@ def test_size_effect_has_a_caveat_only_if_it_differs_between_the_pair_and_tests_
         assert differences[0].text.startswith(f"{subject} the hardness increase of small contacts (--indent), unlike")
         assert result.assessment != "Quote it"
     if indent is None:
-        result = press_pair(mu0=0.1, tau0="100 MPa")
+        result = press_soft_pair(None, mu0=0.1, tau0="100 MPa")
         assert any("as hard as large ones" in caveat.text for caveat in result.caveats)
 
 
