@@ -15,8 +15,7 @@ from stiction._units import Quantity, quantity, quantity_in_core_units, short_re
 def split_values(value: Any) -> list[Any]:
     """Split a text, or each text in a list, at the commas, and return all parts in one flat list.
 
-    A text is split at its commas. A one-dimensional list is returned with its texts split. Any other argument is the
-    only item.
+    An argument that is neither a text nor a one-dimensional list is the only item.
     """
     if isinstance(value, str):
         return [item.strip() for item in value.split(",")]

@@ -217,10 +217,9 @@ def count_estimate_decimals(
 ) -> tuple[NDArray[np.int8], NDArray[np.int8]]:
     """Return how many decimals to print: one array for values and lower limits, and one array for upper limits.
 
-    The first array is for values and lower limits, the second array for upper limits. The number of decimals is
-    negative for numbers that are rounded to tens or more. The second array contains `DECIMALS_CODE_OF_NO_INTERVAL` if
-    the text contains no interval, and `DECIMALS_CODE_OF_EXPONENT` for a very large limit. `digits` is explained at
-    `Estimate.text`.
+    The number of decimals is negative for numbers that are rounded to tens or more. The second array contains
+    `DECIMALS_CODE_OF_NO_INTERVAL` if the text contains no interval, and `DECIMALS_CODE_OF_EXPONENT` for a very large
+    limit. `digits` is explained at `Estimate.text`.
     """
     has_interval = ~(np.isnan(lower) | np.isnan(upper))
     with np.errstate(invalid="ignore", over="ignore"):

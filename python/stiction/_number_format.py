@@ -129,7 +129,7 @@ def choose_prefixed_unit(value: float, unit: str) -> tuple[float, str]:
 
 
 def _choose_item_by_size(value: float, items: Sequence[_Item]) -> _Item:
-    """Return the first item for which the ratio of abs(`value`) to the minimum `item[0]` rounds to at least 1.
+    """Return the first item whose minimum, `item[0]`, is at most abs(`value`), allowing for rounding to three digits.
 
     0 and NaN count as 1.
     """

@@ -1,4 +1,4 @@
-"""Computation of the members and, for a measured pair, the further results that a result directory lacks.
+"""Computation of what a result directory lacks: members and, for a measured pair, companion files and studies.
 
 The contacts of a typical member and the onset of sliding are companion files. The cutoff study and the alternative
 preparations of the scans are companion studies, each in a subdirectory.
@@ -125,7 +125,7 @@ def complete_result(
     print_remark: LinePrintFunction = _ignore_line, announce: LinePrintFunction = _ignore_line,
     show_result: Callable[[Result], Any] = lambda _: None,
 ) -> Result:  # fmt: skip
-    """Compute the missing members, or one part of them, in the directory of a study, and return the result.
+    """Compute the missing members of a study, or one part of them, store them in a directory, and return the result.
 
     If no part is given, the companion results are computed too.
 
@@ -296,7 +296,7 @@ def compute_companion_files(
 
 
 def _write_onset_table(result: Result, onset: xarray.Dataset) -> None:
-    """Write a table of the onset of sliding, scaled to the result's friction coefficient, unless it is up to date."""
+    """Write a table of the onset of sliding, scaled to the result's coefficient, unless the file is up to date."""
     scaled_onset = result.scale_onset(onset)
     if scaled_onset is None or result.path is None:
         return

@@ -357,7 +357,7 @@ def _read_shear_test(record: str) -> dict[str, Any]:
 
 
 def _read_reported_point(record: str) -> dict[str, Any]:
-    """Return the results of a pair at one load, mu0 and tau0: the first entry marked as reported in a JSON record.
+    """Return the first result point (one load, mu0 and tau0) that the JSON record of a pair marks as reported.
 
     If the record has no result points, its remark is raised as an error.
     """

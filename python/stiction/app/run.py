@@ -36,7 +36,7 @@ class TimeLimitedConnection(H11Protocol):
     idle_timers: ClassVar[dict[TimeLimitedConnection, asyncio.TimerHandle]] = {}
 
     def connection_made(self, transport: Any) -> None:
-        """Start a connection's timer. Above `MAX_IDLE_CONNECTIONS` idle connections, close the oldest of them."""
+        """Start the timeout of a new connection. If more than `MAX_IDLE_CONNECTIONS` are idle, close the oldest."""
         super().connection_made(transport)
         self.idle_timers[self] = self.loop.call_later(REQUEST_HEADER_TIMEOUT, self._abort)
         if len(self.idle_timers) > MAX_IDLE_CONNECTIONS:

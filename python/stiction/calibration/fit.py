@@ -219,7 +219,7 @@ class CalibrationProblem:
         )
 
     def _compute_run_offset_vectors(self, central_coefficients: tuple[Floats, Floats, Floats]) -> tuple[Floats, Floats]:
-        """Return the shift of the residuals by the friction offset of each test run, as a unit vector and a size.
+        """Return how the friction offset of each test run shifts the residuals: unit vectors, and norms of the shifts.
 
         The unit vectors have the shape (runs, tests). The norms, with the shape (runs,), are in units of the errors.
         Offsets are relative to the fitted coefficients, because offsets relative to measured coefficients would bias
@@ -500,7 +500,7 @@ class CalibrationProblem:
         return np.asarray(tau0_coefficient / mu0_coefficient)
 
     def _find_median_area_per_load(self, samples: Floats) -> Floats:
-        """Return the true area per load (1/GPa) of each test: the median of `samples` if shear enlarges the contacts.
+        """Return the true area per load (1/GPa) of each test: the median of `samples` if contacts grow under shear.
 
         Without growing contacts, A/F at the central inputs is returned. With friction at opposing contacts only, the
         friction of these contacts is higher than the measured coefficient, for which `area_per_load` is computed. The
@@ -730,7 +730,7 @@ class CalibrationProblem:
     def _choose_mu0_grid_at_tau0(
         self, limits: _GridLimits, point: Any, row: Any, tau0: Floats
     ) -> tuple[Floats, Floats]:
-        """Return, for each given tau0, the smallest mu0 in its grid and the width of the grid cells along mu0."""
+        """Return, for each given tau0, the lower end of the grid of mu0, and the width of the grid cells."""
         if self.fixed_strengths[0] is not None:
             return np.full(tau0.shape, self.fixed_strengths[0]), np.zeros(tau0.shape)
         if limits.best_mu0 is None:
@@ -969,7 +969,7 @@ def _compute_triangular_factors(rows: Floats) -> Floats:
 
 
 def _find_tau0_range_at_best_mu0(triangular_factors: Floats, deviance_range: float) -> tuple[Floats, Floats]:
-    """Return limits of tau0 (GPa) outside which the probability is negligible, even at the best-fitting mu0."""
+    """Return the limits of tau0 (GPa) outside which tau0 has a negligible probability density, whatever mu0 is."""
     first_row, second_row = triangular_factors[:, 0], triangular_factors[:, 1]
     # At mu0 = 0, -2 ln(density) is a quadratic function of tau0, and `curvature` is the coefficient of tau0².
     curvature = second_row[:, 1] ** 2 + first_row[:, 1] ** 2

@@ -193,7 +193,7 @@ def _limit_to_interval(planned: ValueWithLimits, present: ValueWithLimits) -> Va
 
 
 def _reweight(fit: StrengthFit, areas_per_load: Floats, expected: Floats, error: Floats) -> StrengthFit:
-    """Resample the samples of mu0 and tau0 by the likelihood of the results expected from planned friction tests.
+    """Resample mu0 and tau0, weighted by the likelihood of the results that are expected from planned friction tests.
 
     The planned tests have the given true areas per load (1/GPa), expected coefficients and standard errors.
     """

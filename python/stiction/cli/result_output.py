@@ -61,7 +61,7 @@ def print_pair_values(result: Result, *, verbose: bool = False) -> None:
 
 
 def print_resolution_and_onset(result: Result, *, verbose: bool = False) -> None:
-    """Print a pair's onset of sliding and, if `verbose`, its cutoff study; nothing if the pair has no coefficient."""
+    """Print a pair's onset of sliding and, if `verbose`, friction at several cutoffs; nothing without a coefficient."""
     if text := resolution_and_onset_text(_summarize(result), verbose=verbose):
         print_output(text)
 

@@ -303,7 +303,7 @@ def _validate_member_indices(members: int | Sequence[int], available: list[int])
 def _select_members_at_loads(
     areas: xarray.DataArray, loads: Floats, indices: list[int] | None
 ) -> Iterator[tuple[float, int]]:
-    """Yield each load (mN) with every selected member or, if none is selected, with the most typical member."""
+    """Yield pairs of a load (mN) and a member index: all selected members or, by default, the most typical member."""
     for load in loads.tolist():
         if indices is not None:
             yield from ((load, index) for index in indices)

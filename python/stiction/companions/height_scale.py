@@ -204,7 +204,7 @@ def scale_study_heights(study: Study, factor: float, scaled: ScaledBodies) -> St
 
 
 def find_factor_study(study: Study, path: Path, factor: float, scaled: ScaledBodies) -> CompanionStudy:
-    """Return the study of a pair in which the heights of the chosen bodies are scaled, and the study's directory."""
+    """Return the companion study of a pair in which the heights of the chosen bodies are multiplied by `factor`."""
     return CompanionStudy(
         scale_study_heights(study, factor, scaled), path / HEIGHT_SCALE_DIRECTORY / f"{scaled}-{factor:.6g}"
     )

@@ -331,7 +331,7 @@ class CombinedIntervals:
     # ---- Friction ----------------------------------------------------------------------------------------------------
 
     def estimate_zero_coefficient(self) -> tuple[float, float, float]:
-        """Return the friction coefficient with its 95 % limits if the coefficient is 0, or NaN if it is not 0.
+        """Return a friction coefficient of 0 with its 95 % limits, or NaN if the coefficient is not 0.
 
         Relative errors of such a coefficient are undefined. Therefore, the interval is computed from samples of mu0 and
         tau0. It contains the coefficient and the interval of its mean, and its lower limit is at least 0. The result is

@@ -45,7 +45,7 @@ def find_loads_without_values(result: MemberSums, values: xarray.Dataset) -> lis
 
 
 def find_computed_load_range(result: MemberSums, values: xarray.Dataset | None = None) -> tuple[float, float]:
-    """Return the smallest and the largest mean load (mN) over the members, computed without friction.
+    """Return the smallest and the largest computed load (mN), where each load is a mean over members without friction.
 
     If a selection from `Result.at` is given as `values`, only its cutoffs, or its dimensions D and amplitudes, are
     considered.

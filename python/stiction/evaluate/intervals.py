@@ -101,7 +101,7 @@ class LoadCrossings:
         return cls(index, fraction, reached, ~reached & is_at_least_load[..., 0, :])
 
     def without_crossings_after_nan(self, curve: Floats, loads: Floats) -> LoadCrossings:
-        """Return a copy without crossings right after a NaN in `curve`, unless `curve` equals the load there."""
+        """Return a copy without load crossings right after a NaN in `curve`, except where `curve` equals the load."""
         value_before, value_at_crossing = self._get_bracketing_values(curve)
         return replace(self, reached=self.reached & (np.isfinite(value_before) | (value_at_crossing == loads)))
 

@@ -228,7 +228,7 @@ def move_repetitions_last(variable: xarray.Variable, dims: Sequence[str]) -> NDA
 def iterate_solved_pieces(
     result: MemberSums, names: Iterable[str] | None = None, transform: DatasetTransformation | None = None
 ) -> Iterator[xarray.Dataset]:
-    """Yield groups of members, without members for which the solver failed at any load."""
+    """Yield datasets of groups of members, leaving out members for which the solver failed at any load."""
     for piece in iterate_pieces_with_true_areas(result, names):
         elastic_loads = piece.variables["normal_elastic"]
         is_solved = np.isfinite(
@@ -366,7 +366,7 @@ class _EnsembleQuantities:
         status = np.full(self.shape, friction.STATUS_OK, dtype=STATUS_DTYPE)
 
         def evaluate_cell(cell: tuple[int, ...], means: intervals.MeansAtLoads) -> dict[str, NDArray[Any]]:
-            """Store mean quantities for one surface kind, direction and sliding rule. Return ratios of these means."""
+            """Store mean quantities for one kind of surface, one direction and one sliding rule; return ratios."""
             for index, statistics in enumerate(estimates):
                 for array, curve_values in zip(statistics, (means.mean(index), *means.interval(index)), strict=True):
                     array[cell] = _reshape_curves(curve_values, self.shape)

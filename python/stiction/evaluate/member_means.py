@@ -394,7 +394,7 @@ def find_axes_with_both_directions(directions: Floats) -> tuple[Floats, NDArray[
 
 @dataclass(frozen=True, eq=False)
 class MemberDependence:
-    """Kind of statistical dependence between members: none, correlation of neighbours on a line, or shared scans."""
+    """Kind of statistical dependence between members: none, correlation of neighbouring members, or shared scans."""
 
     order: NDArray[np.intp] | None = None
     lines: NDArray[np.intp] | None = None
@@ -448,7 +448,7 @@ class MemberDependence:
 
 
 def _compute_mean_and_interval(values: Floats, scan_mean: intervals.ScanPairMean | None) -> tuple[float, float, float]:
-    """Average values over pairs of upper and lower scans, and return the mean and the limits of its 95 % interval."""
+    """Return the mean over pairs of scans with its 95 % limits; without `scan_mean`, a plain mean and NaN limits."""
     if scan_mean is None:
         finite_values = values[np.isfinite(values)]
         return float(finite_values.mean()) if finite_values.size else np.nan, np.nan, np.nan

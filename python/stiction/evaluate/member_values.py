@@ -110,7 +110,7 @@ def evaluate_members(
     result: MemberSums, loads: Floats, mu0: Floats, tau0: Floats, load_definition: LoadDefinition = "elastic",
     member_kind: MemberKind | None = None, names: Collection[str] | None = None,
 ) -> xarray.Dataset:  # fmt: skip
-    """Evaluate contact quantities and the friction at the onset of sliding, at given loads for each member.
+    """Evaluate the contact quantities of each member, and its friction at the onset of sliding, at given loads.
 
     For a measured study, the dataset at the study's elastic loads, mu0 and tau0 is evaluated only once for each result.
     """
@@ -301,7 +301,7 @@ def _evaluate_piece(
 
 @dataclass(frozen=True, eq=False)
 class _MemberForces:
-    """Normal and tangential loads (mN) of members at the onset of sliding, with masks of the loads that they reach.
+    """Normal and tangential loads (mN) of members at the onset of sliding, and masks of the loads that members reach.
 
     The masks mark loads that a member reaches, and loads below the first loading step. The arrays have the shape (...,
     sliding, direction, load, mu0, tau0), or a shape that broadcasts to it.
@@ -316,7 +316,7 @@ class _MemberForces:
     def at_elastic_loads(
         cls, contact_sums: Mapping[str, Floats], load_crossings: LoadCrossings, law: FrictionLaw
     ) -> _MemberForces:
-        """Compute each member's normal and tangential load with friction, at given loads computed without friction."""
+        """Compute each member's normal and tangential load with friction from sums at given loads without friction."""
         is_reached, is_below = (
             mask[..., None, None, :, None, None] for mask in (load_crossings.reached, load_crossings.below)
         )
@@ -354,7 +354,7 @@ def _grow_contacts(
     forces: _MemberForces, status: NDArray[Any], law: FrictionLaw, sums: Mapping[str, Floats], area_growth: Floats,
     fraction: Floats,
 ) -> tuple[_MemberForces, NDArray[Any]]:  # fmt: skip
-    """Return the loads and statuses of members with the contact area that shear has enlarged or reduced.
+    """Return the loads and statuses of members after shear has enlarged or reduced the contact area.
 
     The friction force is also reduced if the softer body shears. `sums` are the contact sums at the loads, which mu0
     and tau0 multiply. `area_growth` and `fraction` come from `compute_onset_area_and_friction_factors`.
@@ -377,7 +377,7 @@ def _grow_contacts(
 def _compute_opposing_fraction(
     piece: xarray.Dataset, member_dims: tuple[str, ...], contact_sums: Mapping[str, Floats]
 ) -> dict[str, Any]:
-    """Return the fraction of the load that contacts opposing the motion carry, if both sliding rules are stored."""
+    """Return the fraction of the load carried by contacts that oppose the motion, if both sliding rules are stored."""
     rules = piece["sliding"].values.tolist() if "sliding" in piece.dims else []
     if not {"opposing", "all"} <= set(rules):
         return {}

@@ -139,7 +139,7 @@ def read_estimates_along(table: xarray.DataArray, dimension: str) -> dict[float,
 
 @dataclass(frozen=True)
 class PointQuantities:
-    """Dict of the quantities at one load, mu0 and tau0 under one sliding rule, keyed by the names of the quantities.
+    """Quantities at one load, mu0 and tau0 under one sliding rule, each kind of quantity in a dict keyed by name.
 
     If there are several directions, quantities that depend on the direction are not included.
     """
@@ -218,7 +218,7 @@ def list_rules_with_reported_first(study: Study) -> list[str]:
 
 
 def sort_sliding_rules(table: Any, study: Study) -> Any:
-    """Sort the sliding rules in a dataset of measured bodies, with the rule that results report by default first.
+    """Sort the sliding rules in a dataset of measured bodies. The rule that results report by default comes first.
 
     Other tables are returned unchanged.
     """

@@ -187,7 +187,7 @@ class ResponseValues:
     plastic_friction: Floats
 
     def select_sample(self, *indices: int) -> ResponseValues:
-        """Return friction coefficient and areas for the single sample of the inputs with the given array indices."""
+        """Return the friction coefficient and the areas for a single sample of the inputs, given its array indices."""
         shape = np.shape(self.friction_coefficient)
         return ResponseValues(**{name: np.broadcast_to(array, shape)[indices] for name, array in vars(self).items()})
 

@@ -113,7 +113,7 @@ def draw_shear_samples(
 
 @dataclass(frozen=True)
 class ContactVariation:
-    """Change of one contact input, such as the hardness, in a shear test: its name, and the factor on its value."""
+    """Change of one contact input, such as the hardness, in a shear test: name of the input, and change factor."""
 
     name: str
     ratio: float
@@ -157,7 +157,7 @@ class _SampledCurves:
             self.has_no_solution = self.has_no_solution | ((weight > MIN_WEIGHT_NEAR_LIMIT) & is_lost)
 
     def sample(self, get_curve: Callable[[xr.Dataset], Floats]) -> Floats:
-        """Return, for each input sample, the curve that `get_curve` selects from the dataset of a shear test.
+        """Interpolate, for each input sample, the curve that `get_curve` reads from the dataset of a shear test.
 
         Values are NaN for samples near a limit at which the curve is NaN.
         """

@@ -25,7 +25,7 @@ EXTRAPOLATED_WAVELENGTH_RATIOS = tuple(2.0**-power for power in range(11))
 
 
 def kappa_uncertainty_factor(contact_count: Floats) -> Floats:
-    """Return the factor, at 95 % probability, by which κ = A E* h'/F of a finer scan may be larger or smaller.
+    """Return the largest factor (95 % probability) by which a finer scan may raise or lower κ = A E* h'/F.
 
     The coefficient κ = A E* h'/F relates the real contact area A to the load F and to the rms gradient h'.
 

@@ -173,7 +173,7 @@ def candidates(
 def find_candidates_and_model(
     upper: Any, lower: Any, contact: Mapping[str, object]
 ) -> tuple[Candidates | None, ContactModel]:
-    """Return the contact candidates, or None if the bodies are given as surfaces, and the contact model."""
+    """Return the contact candidates (None if the bodies are given as surfaces) and the contact model."""
     if not isinstance(upper, Candidates):
         return None, make_pair_model(upper, lower, contact)
     if "effective_modulus" not in contact and "model" not in contact:

@@ -1185,10 +1185,7 @@ def westergaard_gap(
 def _compute_sinusoid_terms(
     x: ArrayLike, mean_pressure: ArrayLike, amplitude: ArrayLike, wavelength: ArrayLike, effective_modulus: ArrayLike
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """Return sin(πx/λ), cos(πx/λ), the mean pressure, the mean pressure at full contact, and the height amplitude.
-
-    The pressures are the given mean pressure and the mean pressure for full contact.
-    """
+    """Return sin(πx/λ), cos(πx/λ), the given mean pressure, the mean pressure at full contact, and the amplitude."""
     p, d, wavelengths, e = validate_positive_arguments(
         mean_pressure=mean_pressure, amplitude=amplitude, wavelength=wavelength, effective_modulus=effective_modulus
     )

@@ -108,7 +108,7 @@ def approach_at_load(
 
 
 class SurfacePair:
-    """Pair of surfaces that stores the minima of its gap for several calls of the method `press`."""
+    """Pair of surfaces that stores the minima of its gap, so that later calls of `press` can reuse the minima."""
 
     def __init__(self, upper: Profile | Surface, lower: Profile | Surface) -> None:
         check_pair(upper, lower)
@@ -134,7 +134,7 @@ class SurfacePair:
         tau0: float,
         model: ContactModel,
     ) -> Floats:
-        """Find the approach (µm) that supports each load (mN), between a smaller and a larger approach."""
+        """Find the approach (µm), between two given approaches, that supports each load (mN)."""
         arguments = {"loads": loads, "left": lower_approaches, "right": upper_approaches, "mu0": mu0, "tau0": tau0}
         return np.asarray(
             self._call_core(stiction._core.approaches_at, float(upper_approaches.max()), model, arguments)
@@ -168,7 +168,7 @@ class SurfacePair:
 def find_approaches_at_loads(
     bodies: SurfacePair, loads: Floats, *, mu0: float, tau0: float, model: ContactModel
 ) -> tuple[Floats, NDArray[np.str_]]:
-    """Return the smallest approach (µm) that supports each load (mN), and its status: "ok", or why it is NaN."""
+    """Return the smallest approach (µm) that supports each load (mN), and a status: "ok", or why there is none."""
 
     def normal_load(sums: ContactSums) -> Floats:
         return friction.FrictionLaw(mu0, tau0).load("normal", sums)

@@ -1,4 +1,4 @@
-"""Partial slip before the onset of sliding, of asperity contacts with a common displacement or of half-spaces.
+"""Partial slip, before the onset of sliding, of half-spaces or of asperity contacts with a common displacement.
 
 A traction that decreases from the centre of an ellipse outwards is a sum of flat-punch tractions on smaller ellipses
 with the same aspect ratio and relative size t from 0 to 1. Each of these tractions causes a uniform displacement. A

@@ -169,7 +169,7 @@ class Onset(PlotReprMixin):
     _slips: tuple[SlipState, ...] = field(repr=False)
 
     def traction(self, index: int) -> Floats:
-        """Return the traction (GPa) of each grid point at `tangential_load[index]`, which is 0 outside the contact.
+        """Return the traction (GPa) of each grid point (0 outside the contact) at `tangential_load[index]`.
 
         For asperities, the mean over each contact is returned, (contacts,), in the order of `contacts`.
 

@@ -53,7 +53,7 @@ class PatchSums:
 
     @classmethod
     def join(cls, parts: Sequence[PatchSums]) -> PatchSums:
-        """Join the force and area sums of the patches of several contacts, in the same order."""
+        """Join the force and area sums of the patches of several contacts, in the order of the contacts."""
         first_patch = [0, *np.cumsum([part.force.size for part in parts[:-1]])]
         joined = {
             field.name: np.concatenate([getattr(part, field.name) for part in parts], axis=-1) for field in fields(cls)

@@ -682,7 +682,7 @@ INTERVAL_KIND_ATTRIBUTE = "interval_kind"
 
 
 def find_interval_kind(name: str, attributes: Mapping[Any, Any]) -> EstimateKind:
-    """Return the kind of the 95 % interval of a quantity: that in the variable's attributes, or else the default."""
+    """Return the kind of a quantity's 95 % interval: the kind in the variable's attributes, or else the default."""
     kind: EstimateKind = attributes.get(INTERVAL_KIND_ATTRIBUTE, QUANTITIES[name].interval_kind)
     return kind
 

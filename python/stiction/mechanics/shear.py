@@ -325,7 +325,7 @@ class ShearBox:
     def _solve_step(
         self, offset: NDArray[np.int64], first_row: StepResult | None, previous_row: StepResult | None
     ) -> StepResult:
-        """Solve the contact at an offset of the upper face, with the normal load with friction equal to the target."""
+        """Solve the contact at an offset of the upper face, so that the normal load with friction equals the target."""
         upper, lower = self.faces_at(offset)
         gap, missing = upper.heights - lower.heights, combine_missing_masks(upper, lower)
         first_contact_height = -float((gap if missing is None else gap[~missing]).min())
@@ -504,7 +504,7 @@ def _select_face_region(face: Any, selection: tuple[slice, ...]) -> Any:
 
 
 def _close_round_off_gap(upper: Any, lower: Any) -> tuple[Any, Any]:
-    """Return both faces; if their gap varies only by round-off, both faces get the heights of the lower face."""
+    """Return both faces; if their gap varies only by round-off, the upper face gets the heights of the lower face."""
     missing = combine_missing_masks(upper, lower)
     gap = upper.heights - lower.heights if missing is None else (upper.heights - lower.heights)[~missing]
     if np.ptp(gap) > MAX_ROUND_OFF_GAP_VARIATION * np.ptp(lower.heights):

@@ -13,7 +13,7 @@ StepResult = dict[str, Any]
 
 
 class SolutionRecord:
-    """Record of a computation in steps, which runs the steps and counts the iterations of the solver.
+    """Record that runs the steps of a computation, and counts the iterations of the solver.
 
     Without adhesion, the counter includes the stiffnesses, each as a fraction of the iterations of its solution.
 

@@ -44,7 +44,7 @@ RIGID_TILT_TOLERANCE = 1e-12
 
 
 def apply_tilt(problem: HalfSpaceProblem, slopes: Floats) -> HalfSpaceProblem:
-    """Tilt the upper surface of a problem about its centre by given slopes, along y and x, or only x for profiles."""
+    """Tilt the upper surface of a problem about its centre by given slopes: along y and x, or along x for profiles."""
     plane = sum(slope * arm for slope, arm in zip(slopes, lever_arms(problem), strict=True))
     return replace(
         problem, upper_heights=problem.upper_heights + plane, gap=problem.gap + plane, tilt=problem.tilt + slopes

@@ -42,10 +42,11 @@ and in 31 % after the tip reconstruction alone.
 
 
 def build_alternative_study(study: Study, name: AlternativeName) -> Study:
-    """Return a copy of a study whose scans have masked outliers and, if `name` is "tip", a larger tip correction.
+    """Return a copy of a study that masks outliers of scans and, if `name` is "tip", also corrects for the tip.
 
-    Both alternatives mask outliers, because a tip correction would broaden downward spikes. In a study that does not
-    allow missing points, the heights of outliers are interpolated.
+    The alternative "tip" sharpens the scans by `TIP_CORRECTION` times the tip correction. Both alternatives mask
+    outliers, because a tip correction would broaden downward spikes. In a study that does not allow missing points, the
+    heights of outliers are interpolated.
     """
     surfaces: Any = study.surfaces
     allows_missing_points = (

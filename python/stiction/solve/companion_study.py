@@ -30,7 +30,7 @@ class CompanionStudy:
     directory: Path
 
     def open(self, *, allow_unfinished: bool = False) -> MemberSums | None:
-        """Open the stored result of the companion study, with the forces and areas of each member.
+        """Open the stored result of the companion study, which contains the forces and areas of each member.
 
         Friction can be evaluated from the forces and areas with any mu0 and tau0.
 

@@ -525,7 +525,7 @@ def estimate_member_iterations(study: Study, member: int | None = None) -> float
 
 
 def _estimate_iteration_growth(study: Study) -> float:
-    """Estimate the factor by which a contact without adhesion exceeds `ITERATIONS_PER_LOAD` solver iterations."""
+    """Estimate the ratio of the solver iterations of a contact without adhesion to `ITERATIONS_PER_LOAD`."""
     if not study.is_areal:
         return 1.0
     return math.pow(max(1.0, count_grid_points(study) / MAX_POINTS_OF_TYPICAL_ITERATIONS), ITERATION_GROWTH_EXPONENT)

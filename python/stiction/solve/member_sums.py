@@ -183,7 +183,7 @@ class MemberSums:
         return share_read_only(self._companions[read])  # type: ignore[no-any-return]
 
     def compute_once(self, compute: Callable[[Self], _Value]) -> _Value:
-        """Return `compute(self)`, which is computed in the first call with the function `compute` and then cached.
+        """Return `compute(self)`. The first call with a function computes the value, and later calls reuse it.
 
         The arrays of datasets are read-only.
         """

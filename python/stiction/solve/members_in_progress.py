@@ -103,7 +103,7 @@ class MembersInProgress:
             remove_stored_steps(self._directory, members)
 
     def estimate_progress(self) -> float:
-        """Estimate the finished work, in units of a member's mean work, and subtract the number of finished members.
+        """Estimate the finished work, in units of a member's mean work, minus the number of finished members.
 
         The first members take more work than the others. When they are finished, more work is finished than their
         number says; this excess is 0 when all members are finished.
@@ -162,7 +162,7 @@ def find_members_in_progress(directory: Path) -> set[int]:
 
 
 def find_steps_with_other_keys(directory: Path, member: int, key: str) -> list[Path]:
-    """Return the directories with a member's stored steps that have another key (a checksum) than `key`.
+    """Return the directories of a member's stored steps whose names contain another key (a checksum) than `key`.
 
     Such steps belong to other inputs, other software or another machine.
     """

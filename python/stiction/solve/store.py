@@ -281,8 +281,7 @@ class StoredResult:
     def _read_arrays(self, block: BlockFile, names: Collection[str]) -> ArraysByName:
         """Read the named arrays from a block of members. The first call for a block reads and checks all of its arrays.
 
-        The first call for a block checks the whole block. Later calls read only the arrays in `names`, unless the block
-        is in memory.
+        Later calls read only the arrays in `names`, unless the block is in memory.
         """
         is_first = block is self._block_ranges[0][0]
         if block in self._checked_blocks and not is_first:
@@ -862,7 +861,7 @@ def _encode_block_of_zeros(study: Study, count: int) -> bytes:
 
 
 def import_dataset_packages() -> None:
-    """Import the packages that encode blocks, before the first block is finished and would wait for the import.
+    """Import the packages that encode blocks, so that the first finished block does not wait for the import.
 
     The import takes 0.3 s, in which other threads compute. Only one thread imports at a time: if two threads import
     xarray, each may need a module that the other has not finished, and one import then fails.

@@ -135,7 +135,7 @@ class Inputs:
     def strength(self) -> InterfaceStrength | None:
         """Joint distribution of mu0 and tau0 from the study's interface, or None if the study has no interface.
 
-        The value is None if the study has no interface, or if the interface file is missing or changed.
+        The value is also None if the interface file is missing or changed.
         """
         return None if self.interface is None else self.interface.load()
 

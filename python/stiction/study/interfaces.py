@@ -125,7 +125,7 @@ _SCORE_COLUMN_PREFIX = "score of "
 
 
 def shared_input_name(name: str, estimate: UncertainInput, pair_checksum: str) -> str:
-    """Return a name for an input. If two tests or pairs have the same name, their inputs are the same.
+    """Return a name that identifies an input: tests and pairs whose inputs have the same name share this input.
 
     Small contacts lose a larger fraction of their area than large ones, so another pair has another area loss.
     """
@@ -383,7 +383,7 @@ class InterfaceStrength:
 
     @property
     def identified(self) -> ValueWithLimits:
-        """Value of mu0 + tau0 A/F at the A/F of the friction tests, which determine this sum, with its 95 % interval.
+        """Sum mu0 + tau0 A/F at the A/F of the friction tests, with its 95 % interval. The tests determine this sum.
 
         A/F is the true area per load of the tests. The value is NaN if A/F is unknown.
         """
@@ -726,7 +726,7 @@ def _published_interfaces() -> dict[str, dict[str, str]]:
 
 
 def read_interface_entries(path: str | Path) -> dict[str, dict[str, str]]:
-    """Return the entries (kind, mu0, tau0, ...) of an interface file, or of each such file in a directory, by its name.
+    """Return the entries (kind, mu0, tau0, ...) of an interface file, or of all in a directory, keyed by file name.
 
     Files of other kinds in the directory are ignored.
     """
@@ -801,7 +801,7 @@ class InterfaceSettings(SettingsSection):
         })  # fmt: skip
 
     def find_current_entry(self) -> InterfaceSettings | None:
-        """Return the study entry of the interface file, or None if the file is unreadable or has other mu0 or tau0.
+        """Return the study entry of the interface file; None if the file is unreadable or contains other mu0 or tau0.
 
         A changed file has other central values of mu0 or tau0. The ranges are not compared, because the rule for
         intervals of a fit depends on the version of the program that stored the entry.

@@ -359,10 +359,7 @@ class MeasuredBodySettings(SettingsSection):
 
     @property
     def bodies(self) -> list[Profile | Surface]:
-        """Profiles and height maps from the scans of the body, without spectra.
-
-        Spectra are omitted.
-        """
+        """Profiles and height maps from the scans of the body, without spectra."""
         return [body for scan in self.scans if isinstance(body := scan.read(), (Profile, Surface))]
 
     def select_cut_off_of_scan(self, wavelength: float) -> float:

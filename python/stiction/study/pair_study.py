@@ -770,7 +770,7 @@ class MeasuredPair:
 
     @property
     def _junction_growth(self) -> InputValue | None:
-        """Factor by which shear enlarges the true area; None if contacts cannot grow, and the user sets no factor.
+        """Junction growth under shear; None if contacts cannot grow, and the user gives no junction growth.
 
         Contacts can grow if they yield and do not adhere. The default is the junction growth of the interface. Without
         an interface, contacts yield by slip lines, or do not grow (0) if a material to which slip-line theory does not

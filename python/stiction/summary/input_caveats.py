@@ -246,7 +246,7 @@ def _measure_rms_gap(facing: Surface, lower: Surface, mirrored: Any = np.s_[:, :
 
 
 def _adapt_remedy_to_max_cutoff(caveat: Caveat, longest: float) -> str:
-    """Return the remedy of a caveat, or the advice to scan a longer part if its cutoff exceeds `longest` (µm)."""
+    """Return a caveat's remedy or, if the caveat's cutoff exceeds `longest` (µm), the advice to scan a longer part."""
     if not longest < caveat.cut_off < math.inf:
         return caveat.remedy
     return (

@@ -659,7 +659,7 @@ def _is_outside_asperity_model(table: xarray.Dataset) -> bool:
 
 
 def _read_coefficients(table: xarray.Dataset, name: str, dimension: str) -> dict[float, Estimate]:
-    """Return a quantity's estimates keyed by coordinate; empty if the dataset lacks the quantity or dimension."""
+    """Return a quantity's estimates along a dimension, keyed by coordinate; empty if one of the two is missing."""
     return read_estimates_along(table[name], dimension) if name in table and dimension in table[name].dims else {}
 
 

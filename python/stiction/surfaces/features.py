@@ -84,7 +84,7 @@ def _find_peak_of_each_point(rank: NDArray[np.int64], height_order: _IndexArray)
 def _find_saddles(
     hill: _IndexArray, rank: NDArray[np.int64], hill_count: int
 ) -> tuple[_IndexArray, _IndexArray, _IndexArray]:
-    """Return the highest saddles that connect all hills: the indices of both hills, and descending height ranks."""
+    """Return the highest saddles that connect all hills: two hill indices and a height rank each, highest first."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import minimum_spanning_tree
 

@@ -117,7 +117,7 @@ class JoinedSpectrum(TextReprMixin):
 
     @property
     def chance(self) -> Floats:
-        """Standard deviation that random scatter alone gives to ln(`disagreement`), for equal spectra of all scans."""
+        """Standard deviation of ln(`disagreement`) that random scatter alone causes if all scans have equal spectra."""
         is_shared = (self.contribution > 0).sum(axis=0) > 1
         independent_counts = self.contribution * self.count / _WAVE_VECTORS_PER_INDEPENDENT_VALUE
         log_deviations = np.full(len(self.bands), np.nan)

@@ -175,7 +175,7 @@ def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[F
 
 @dataclass(frozen=True, eq=False)
 class _NeighbourDeviations:
-    """Deviations of heights from neighbouring heights: the median in the scan, and the ratio of each to the median.
+    """Deviations of heights from neighbouring heights: their median in the scan, and each deviation over the median.
 
     Edge points have a different median than other points.
     """

@@ -254,7 +254,7 @@ def _crop_to_equal_length(
 
 
 def piece_below_slider(lower: Profile, offset: float, slider: Profile) -> Profile:
-    """Return the part of the lower profile below a slider, from the distance `offset` (µm) to the slider's end."""
+    """Return the part of the lower profile below a slider that starts at the distance `offset` (µm)."""
     start_index = round(offset / lower.spacing)
     selected_range = slice(start_index, start_index + len(slider))
     return Profile(

@@ -241,7 +241,7 @@ def _correlate_slopes(upper: Any, lower: Any) -> Floats:
 
 
 def _find_coarse_position(upper: Any, lower: Any) -> _FacePosition:
-    """Find the best fit of two coarse bodies among shifts by whole grid points and rotations in a given range."""
+    """Find the best fit of two coarse bodies: among shifts by whole grid points and, for maps, rotations."""
     if isinstance(upper, Profile):
         return _FacePosition(_convert_corner_offset_to_centre_shift(find_best_fit(upper, lower)[1], upper, lower), 0.0)
     correlated_positions = []

@@ -36,7 +36,7 @@ _NUM_SECTORS = 90
 
 
 def describe_levelling(history: tuple[str, ...]) -> str:
-    """Return the form, such as "plane", that was last subtracted from a body; the source is the body's history."""
+    """Return how a body was last levelled, such as "by a plane", according to its history."""
     forms = [step.removeprefix("levelled ") for step in history if step.startswith("levelled ")]
     return forms[-1] if forms else NOT_LEVELLED_VALUE
 

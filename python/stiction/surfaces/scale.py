@@ -116,7 +116,7 @@ class ScaleDependentRoughness(TextReprMixin):
         return np.asarray(1 - np.square(self.gradient_at(wavelength) / self.gradient[-1]))
 
     def continued(self, wavelength: ArrayLike, estimate: HurstEstimate) -> Floats:
-        r"""Return the rms slope due to each given wavelength (µm) and all longer ones, even below the fitted band.
+        r"""Return the rms slope due to each given wavelength (µm) and all longer ones, also beyond the fitted band.
 
         The power law of `estimate` adds the wavelengths that are too short for the scan.
 

@@ -130,7 +130,7 @@ class ScanDefects:
 
     @cached_property
     def hidden_noise(self) -> NoiseHiddenInSpectrum | None:
-        """White noise that the scan may contain although its spectrum shows no noise floor; None without such noise.
+        """White noise that the scan may contain although its spectrum shows no noise floor.
 
         None if there is no such noise, if visible noise already exceeds a tenth of the mean square slope, or if the
         scan is textured.

@@ -83,7 +83,7 @@ def onset_note(onset: OnsetSummary, study: Study) -> str:
 
 
 def _law_text(study: Study) -> str:
-    """Return a sentence that states the stiffness used for the onset of sliding; "" for the Hertzian contact law.
+    """Return a sentence on the stiffness used for the onset of sliding; "" for half-spaces and Hertzian contacts.
 
     This stiffness is that of elastic Hertzian contacts under every contact law.
     """

@@ -42,7 +42,7 @@ class QuantityRow:
 
 
 def quantities_paragraph(points: Sequence[PointSummary], *, verbose: bool = False, cell: str = "") -> Paragraph:
-    """Return all quantities with 95 % intervals: as a sentence for one load, mu0 and tau0, otherwise as a table.
+    """Return a paragraph with all quantities and their 95 % intervals: a sentence for one point, or a table.
 
     A single result point gives a sentence or, if `verbose` is True or the surfaces are generated, a table with one row
     per quantity. Several points give a table with one row per point. `cell` starts the heading of the first column.

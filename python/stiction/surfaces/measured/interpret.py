@@ -587,7 +587,7 @@ class _PositionResolution:
 def _find_worst_unexplained_deviation(
     x: Floats, spacing: float, resolution: _PositionResolution, slack: float
 ) -> tuple[int, float] | None:
-    """Return index and deviation of the position farthest from a uniform grid, beyond the rounding of printed digits.
+    """Return index and deviation of the position that deviates most from a uniform grid, beyond rounding of its digits.
 
     Returns None if rounding explains all deviations. The place values of the printed digits are computed only if the
     exact positions deviate from a uniform grid.

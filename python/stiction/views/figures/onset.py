@@ -1,4 +1,4 @@
-"""Figures of the onset of sliding: tangential load over displacement, load cycles, and slipping area and load."""
+"""Figures of the onset of sliding: tangential load over displacement, load cycles, and slipping fractions."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ LOAD_CYCLE_COLOURS = ("0.55", FRICTION_COLOUR)
 
 
 def onset_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
-    """Draw a figure 80 mm wide: tangential load over displacement, load cycles, and slipping area and load.
+    """Draw a figure 80 mm wide: tangential load over displacement, load cycles, and slipping fractions.
 
     `onset` comes from `compute_onset`. A half-plane has no displacement, so only the slipping fractions are drawn.
     """

@@ -171,7 +171,7 @@ def _compose_content(result: Evaluation, get_data: Callable[[], _AnyReportData],
 
 
 def _check_can_render(result: Evaluation) -> None:
-    """Raise a `ReportError` if no pair of generated surfaces is solved at all loads, or for too many coefficients."""
+    """Raise a `ReportError` if there are too many coefficients, or if no generated pair is solved at all loads."""
     try:
         study = result.study
     except ValueError as error:
