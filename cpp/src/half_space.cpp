@@ -32,7 +32,7 @@ constexpr std::size_t min_points_per_axis = 16;
 constexpr std::size_t max_influence_points = std::size_t{1} << 20;
 // Error tolerance on coarser grids. A smaller tolerance would be useless, because the discretisation error is larger.
 constexpr double coarse_tolerance = 3e-3;
-// On an area, the solver starts from pressures at another load if (larger load) / (smaller load) does not exceed this.
+// Largest ratio of two loads on an area for which the solver at one load starts from the pressures at the other load.
 constexpr double max_load_ratio = 1.3;
 constexpr std::int64_t max_iterations = 2000;
 // On coarser grids, the solver may stop before it converges, because these solutions serve only as starting points.
@@ -702,7 +702,7 @@ HalfSpaceSolver::HalfSpaceSolver(Values gap, std::shared_ptr<const HalfSpaceGrid
 }
 
 // Return the standard deviation of the displacements over the grid, divided by the mean pressure [µm/GPa].
-// The displacements are due to uniform pressure or, if each point has its own bound, to pressures proportional to them.
+// The pressures are uniform or, if each point has its own pressure bound, proportional to the bounds.
 double HalfSpaceSolver::unit_load_deviation(const ThreadPool& pool) const {
   const Grid& grid = grids_->levels()[0];
   const double cell_displacement =
@@ -925,7 +925,7 @@ LinearResponse linear_response(const HalfSpaceGrids& grids, std::span<const bool
   }
   const double mean = 1.0 / static_cast<double>(in_contact.size());
   LevelSolver solver(kernels, {}, std::move(start), mean, bound, {}, *memory, pool);
-  // On lines, the differences between displacements are too small for single precision, 1e-7 of a displacement.
+  // On lines, differences between displacements are too small for single precision, which resolves 1e-7 of a number.
   solver.recompute_potential(grid.line);
   for (std::int64_t i = 0; i < max_iterations; ++i) {
     const double error = solver.update_free_points();

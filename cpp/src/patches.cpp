@@ -10,7 +10,7 @@
 namespace stiction {
 namespace {
 
-// Distance by which the pressure extends beyond the true contact at an open side of a cell, divided by the cell size.
+// Distance by which pressure extends beyond the true contact at a side next to an unloaded cell, over the cell size.
 // On profiles, Westergaard's solution for a sinusoid gives 0.38 ± 0.03 cells for both sides of a contact together.
 constexpr double line_side_fraction = 0.19;
 constexpr double area_side_fraction = (std::numbers::pi - 1 + std::numbers::ln2) / 24;

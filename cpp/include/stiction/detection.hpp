@@ -40,7 +40,7 @@ struct IndexRange {
 std::vector<IndexRange> ranges_within(Values upper, Values lower, const Prefilter& prefilter, double max_gap);
 
 /// Return an upper bound [µm] of the distance by which the spline of the gap dips below the smallest gap on the grid.
-/// The bound is 3/8 D, where D is the largest second difference of the gap between successive grid points.
+/// The bound is 3/8 D, where D is the largest |second difference| of the gap values at three successive points.
 /// A natural spline f has |f''| <= 3 D/Δx², and dips by at most Δx²/8 max |f''| between two grid points.
 double max_dip(Values upper, Values lower);
 

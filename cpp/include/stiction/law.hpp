@@ -22,7 +22,7 @@ struct ForceArea {
   double area;   ///< contact area [µm²]
 };
 
-/// Parameter of a law, which must be finite and between `low` and `high`; equal to either only if `inclusive` is true.
+/// Parameter of a law. It must be finite and between `low` and `high`, or equal to one of them if `inclusive` is true.
 template <class L>
 struct Parameter {
   std::string_view name;
@@ -64,7 +64,7 @@ struct HertzCylinder {
 };
 
 /// An elastic-perfectly plastic sphere: Jackson & Green, J. Tribol. 127 (2005) 343.
-/// Hertz theory applies up to 1.9 times the critical interference, and a fit to finite-element results at larger ones.
+/// Hertz theory applies up to 1.9 times the critical interference; above, a fit to finite-element results applies.
 /// The fit is valid up to a contact radius of 0.41 R. From Hertz theory to the fit, the load jumps by less than 1 %.
 struct JacksonGreen {
   double effective_modulus;  ///< E* [GPa] > 0

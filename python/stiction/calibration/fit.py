@@ -75,7 +75,7 @@ class _BestFit:
     tau0: float  # GPa
     scores: Floats
     residuals: Floats
-    # Derivatives with respect to the fitted parameters: of residuals · `robust_factors`, and of nuisance parameters.
+    # Derivatives of (residuals · `robust_factors`) and of nuisance parameters with respect to the fitted parameters.
     jacobian: Floats
     robust_factors: Floats
     scale: float

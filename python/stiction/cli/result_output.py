@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from stiction.summary.summary import Summary
 
 
-# With this number of caveat lines, the output of `pair` and `run` fits on a screen of 24 lines.
+# With at most this number of caveat lines, the output of `pair` and `run` fits on a screen of 24 lines.
 MAX_CAVEAT_LINES = 5
 
 VERBOSE_OPTION = "--verbose"

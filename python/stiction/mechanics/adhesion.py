@@ -394,7 +394,7 @@ class AdhesionSolver:
         # No energy minimization starts from a state found at a given contact load, because this state may be unstable.
         states, stable_states = [*first_states, find_state_of_lowest_load(states)], list(first_states)
         # External load = contact load - mean attraction, where the mean attraction decreases from state to state.
-        # After `first_states`, all external loads exceed the negative mean attraction of the last of these states.
+        # In states after `first_states`, the external load exceeds -(mean attraction in the last of `first_states`).
         unsupported_load, is_certain = -first_states[-1].mean_attraction, True
         try:
             first_load = self._find_pull_off_load_on_coarser_grid(start)

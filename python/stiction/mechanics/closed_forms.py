@@ -498,7 +498,7 @@ def fuller_tabor(
     relative_pull_off = np.empty(relative_deviations.shape)
     for index in np.ndindex(relative_pull_off.shape):
         relative_deviation = float(relative_deviations[index])
-        # Units: radii in contact radii at zero load, heights in stretches δ at separation, loads in 3/2 π w R.
+        # Units: contact radius at zero load (radii), stretch δ at separation (heights), and 3/2 π w R (loads).
         a = np.linspace(6 ** (-2 / 3), 1 + np.sqrt(3 + 3 * relative_deviation), 4000)
         force, height = 4 * (a**3 - a**1.5), (a**2 - np.sqrt(a) * 2 / 3) * 6 ** (4 / 3) / 3
 

@@ -34,7 +34,7 @@ from stiction.mechanics.solution_record import SolutionRecord, StepResult
 MAX_RELATIVE_FORCE_OFFSET = 1e-4
 MAX_TILT_SOLVES_PER_LOAD = 60
 MAX_EDGE_DISPLACEMENT_STEP = 0.5
-# Newton's equations for the tilt have this term added to their diagonal, so that they have a solution.
+# This term is added to the diagonal of Newton's equations for the tilt, so that the equations have a solution.
 # Unit of `ADDED_MOMENT_PER_SLOPE`: (mean pressure) · (side length)² / (standard deviation of the gap).
 ADDED_MOMENT_PER_SLOPE = 1e-6
 INDENTATION_TOLERANCE = 1e-6

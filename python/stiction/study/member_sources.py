@@ -212,7 +212,7 @@ class MapMemberSource:
 
     pairs: MapPairs | IsotropicSurfacePairs | SurfacePairsFromSpectra
     scans: tuple[MeasuredBody, MeasuredBody]
-    # Number of members that are pairs of surrogates (the first members); None if all members are pairs of surrogates.
+    # Members with an index below this number are pairs of surrogates; None if all members are pairs of surrogates.
     surrogates: int | None = None
 
     def member(self, index: int) -> EnsembleMember:

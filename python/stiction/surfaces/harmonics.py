@@ -10,7 +10,7 @@ from stiction._checks import Floats
 
 # Minimum distance (bins) between harmonics: between closer harmonics, too few bins are unaffected by them.
 MIN_HARMONIC_DISTANCE = 10
-# Minimum bin of a first harmonic: a peak below it may be the mean or a tilt, which the Hann window spreads.
+# Minimum bin of a first harmonic: in lower bins, a peak may be the mean or a tilt, spread by the Hann window.
 _MIN_FIRST_HARMONIC_BIN = 2.5
 _MAX_COMPARED_HARMONICS = 8
 _MIN_SIGNIFICANT_HIGHER_HARMONICS = 2

@@ -21,7 +21,7 @@ from stiction.surfaces.surrogates import gaussian_heights, isotropic_spectrum
 MIN_POINTS_PER_WAVELENGTH = 8
 # Maximum used wavelength, as a fraction of the scan's side. The window function distorts longer wavelengths.
 MAX_WAVELENGTH_TO_SIDE = 1 / 3
-# Number of wave vectors per independent density: opposite ones have equal densities, neighbours correlated ones.
+# Wave vectors per independent density: densities are equal at opposite vectors, and correlated at neighbours.
 _WAVE_VECTORS_PER_INDEPENDENT_VALUE = 4.0
 
 

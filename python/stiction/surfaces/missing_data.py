@@ -40,7 +40,7 @@ _MIN_NEIGHBOUR_ESTIMATES = 3
 # At most this many lines through two neighbours may pass near an outlier that has five or more such lines.
 _MAX_LINES_NEAR_OUTLIER = 2
 _MAX_OUTLIER_PASSES = 8
-# Index offsets from a point to its neighbours in profiles (1) and maps (2).
+# Index offsets from a point to its neighbours, keyed by the number of dimensions: 1 for profiles, 2 for maps.
 _NEIGHBOUR_STEPS: dict[int, list[tuple[int, ...]]] = {1: [(1,), (2,), (3,), (4,)], 2: [(0, 1), (1, 0), (1, 1), (1, -1)]}
 _MAX_STRIP_POINTS = 16_384
 _MAX_WINDOWS_PER_BATCH = 100_000

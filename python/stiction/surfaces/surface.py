@@ -19,7 +19,7 @@ BodyLike = Any
 
 # Names of amplitude parameters in the C++ core, which treats the heights of a map like those of a profile.
 _CPP_MEASURE_NAMES = {"height": "height", "Sa": "Ra", "Sq": "Rq"}
-# Minimum height range (µm), and reciprocal of the maximum: within both, fourth powers neither over- nor underflow.
+# Minimum height range (µm), and reciprocal of the maximum. Fourth powers of heights then stay within double range.
 _MIN_BODY_HEIGHT_RANGE = 1e-50
 
 

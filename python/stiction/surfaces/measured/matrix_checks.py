@@ -172,7 +172,7 @@ def _find_statistic_name(lines: Floats, count: int) -> str | None:
     if not np.isfinite(lines).all():
         return None
     tolerance = MAX_STATISTIC_DEVIATION * float(heights.std())
-    # Lines of equal heights are no evidence of statistics, because equal heights always equal their mean.
+    # Equal heights always equal their mean, so a line of such heights does not count as a line of statistics.
     if min(float(np.median(np.ptp(heights, axis=0))), float(np.ptp(last_line))) <= 50 * tolerance:
         return None
     for name, statistic in _SUMMARY_STATISTICS:

@@ -27,7 +27,7 @@ _SCAN_LINE_PATTERN = re.compile(
 )
 _HASH_LINE_PATTERN = re.compile(r"^#.*\n?", re.MULTILINE)
 _NUM_BYTES_WITH_COLUMN_NAMES = 100_000
-# Spectrum files contain rounded wave numbers, so ln(ratio of successive ones) may vary by this fraction of its mean.
+# Wave numbers in files are rounded, so ln(ratio of successive wave numbers) may vary by this fraction of its mean.
 _RATIO_TOLERANCE = 1e-3
 
 
