@@ -252,7 +252,7 @@ def inline_svg(figure: Figure, description: str) -> str:
         for artist in artists:
             paths = artist.get_paths() if hasattr(artist, "get_paths") else [artist.get_path()]
             artist.set_rasterized(sum(len(path.vertices) for path in paths) > MAX_SVG_VERTICES)
-    # This canvas measures text as the SVG file draws it, so each formula is parsed only once for layout and file.
+    # This canvas measures text as the SVG file draws it.
     FigureCanvasSVG(figure)
     place_axes(figure)
     text = io.StringIO()
