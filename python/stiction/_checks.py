@@ -89,7 +89,7 @@ def unwrap_scalar(value: Any) -> Any:
 
 
 def validate_fraction(name: str, value: Any) -> float:
-    """Return a number as a float, or raise a `ValueError` unless it is at least 0 and at most 1."""
+    """Return a number from 0 to 1 as a float. Raise a `ValueError` for any other number."""
     number = validate_number(name, value)
     if not 0 <= number <= 1:
         raise ValueError(f"{name} must be from 0 to 1, got {short_repr(value)}")

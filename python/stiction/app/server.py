@@ -92,7 +92,7 @@ CROSS_ORIGIN_RESPONSE = PlainTextResponse("Requests of other pages are rejected.
 
 
 class Server:
-    """ASGI application of the app. It stores uploaded scans and new results in the directory `root`.
+    """ASGI application that serves the app. It stores uploaded scans and new results in the directory `root`.
 
     Existing results are read from `working_directory`.
 

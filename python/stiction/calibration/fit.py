@@ -502,9 +502,9 @@ class CalibrationProblem:
     def _find_median_area_per_load(self, samples: Floats) -> Floats:
         """Return the true area per load (1/GPa) of each test: the median of `samples` if contacts grow under shear.
 
-        Without growing contacts, A/F at the central inputs is returned. With friction at opposing contacts only, the
-        friction of these contacts is higher than the measured coefficient, for which `area_per_load` is computed. The
-        same holds for their growth.
+        If no contacts grow, A/F at the central inputs is returned. With friction at opposing contacts only, the
+        friction and the growth of these contacts exceed those at the measured coefficient, for which `area_per_load` is
+        computed.
         """
         if not self.has_growing_contacts:
             return np.asarray(self.area_per_load)
@@ -723,7 +723,7 @@ class CalibrationProblem:
         )
         best_mu0, slope, _ = find_best_mu0_at(tau0)
         width_above = math.sqrt(limits.deviance_range) / np.where(np.isfinite(slope) & (slope > 0), slope, 1.0)
-        # Below the best mu0, residuals depend less on mu0 than above it, but no less than without junction growth.
+        # Below the best mu0, residuals vary less with mu0 than above it, but no less than without junction growth.
         width_below = np.maximum(width_above, math.sqrt(limits.deviance_range) / limits.triangular_factors[:, :1, 0])
         return replace(limits, best_mu0=best_mu0, width_below=width_below, width_above=width_above)
 

@@ -176,7 +176,7 @@ class _FrictionTestSums:
 
 @dataclass(frozen=True)
 class _BallAreaFactor(AreaFactor):
-    """Ratio of contact area at the onset of sliding to Hertz area (at the central E*), for a friction test with a ball.
+    """Contact area of a ball at the onset of sliding, divided by the Hertz area at the central E*.
 
     The contact area of a ball is proportional to E*^(-2/3).
     """

@@ -55,7 +55,7 @@ def print_result(result: Result, *, verbose: bool = False) -> None:
 
 
 def print_pair_values(result: Result, *, verbose: bool = False) -> None:
-    """Print the friction of a measured pair, without its cutoff study and without its onset of sliding."""
+    """Print the friction of a measured pair, without friction at several cutoffs and without the onset of sliding."""
     options: dict[str, Any] = {"max_lines": MAX_CAVEAT_LINES, "complete_command": complete_output_command(result)}
     print_output(main_values_text(_summarize(result), verbose=verbose, **options))
 

@@ -313,7 +313,7 @@ def add_shear_intervals(
 
 
 def _open_lower_limits(test: xr.Dataset, limits: Mapping[str, Floats], varied_tests: Sequence[xr.Dataset]) -> None:
-    """Set lower limits of friction to 0 where a shear test has no solution with one input at an end of its range.
+    """Set lower limits of friction to 0 where a shear test has no solution if an input is at a limit of its range.
 
     If the faces lock at the end of the range, lower limits are unchanged, because locking only raises the friction.
     """

@@ -216,7 +216,7 @@ class ContactSolution:
 
     @cached_property
     def closure_stiffness(self) -> float:
-        """Closure stiffness dp/dc (GPa/µm) of nominal pressure p and closure c, for an unchanged set of contact points.
+        """Closure stiffness dp/dc (GPa/µm) for an unchanged set of contact points; p: nominal pressure, c: closure.
 
         The closure is the decrease of the mean gap: the approach minus the mean displacement of the surface. The
         stiffness is infinite at full contact, and NaN if all points have yielded.
@@ -269,7 +269,7 @@ class ContactSolution:
         return self._linear_response if self.is_elastic else self._unloading_response
 
     def _compute_response(self, free_mask: NDArray[np.bool_]) -> tuple[Floats, float]:
-        """Return the pressures under which the points in a mask move as a rigid body, and their approach (µm).
+        """Return the pressures under which the points in a mask move as a rigid body, and the resulting approach (µm).
 
         The pressures have the sum 1 GPa.
 

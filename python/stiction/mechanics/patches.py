@@ -70,7 +70,7 @@ class PatchSums:
     def totals(self, sliding: SlidingRule) -> dict[str, Floats]:
         """Return the total area (µm²) and normal force (mN) of all patches, and the sums for each direction of motion.
 
-        The latter determine friction.
+        The sums for each direction determine friction.
 
         Sums have the shape (k,) or, if they depend on the direction, (directions, k).
         """

@@ -64,7 +64,7 @@ def build_alternative_study(study: Study, name: AlternativeName) -> Study:
 
 
 def find_alternative_study(study: Study, path: Path, name: AlternativeName) -> CompanionStudy:
-    """Return the companion study in which the scans are prepared in the alternative way `name`."""
+    """Return the companion study that uses the alternative preparation `name` of the scans."""
     return CompanionStudy(build_alternative_study(study, name), path / ALTERNATIVES_DIRECTORY / name)
 
 

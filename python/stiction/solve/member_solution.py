@@ -103,7 +103,7 @@ def solve_at_loads(
     study: Study, upper: Profile | Surface, lower: Profile | Surface, *, record: SolutionRecord | None = None,
     computes_unloading: bool = False, computes_elastic_area: bool = False,
 ) -> ArraysByName:  # fmt: skip
-    """Solve the contact of two bodies at a study's loads, and return force and area sums and contact statistics.
+    """Solve the contact of two bodies at a study's loads. Return sums of forces and areas, and contact statistics.
 
     Only measured bodies have contact statistics. Arrays that depend on the motion have the shape (rules, directions,
     loads); all others have the shape (loads,). At loads for which the solver fails, values are NaN and the number of

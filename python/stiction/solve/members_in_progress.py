@@ -75,7 +75,7 @@ class MembersInProgress:
         return self._estimate_mean_iterations() if self._estimate_mean_iterations else 0.0
 
     def _get_work(self, member: int) -> float:
-        """Return the expected iterations of a member, divided by their mean over all members to be computed."""
+        """Return the expected iterations of a member, divided by the mean over all members to be computed."""
         return self._estimate_iterations(member) / self._mean_iterations if self._mean_iterations else 1.0
 
     @cached_property

@@ -826,7 +826,7 @@ class InterfaceSettings(SettingsSection):
     def caveats_of_missing_file(self) -> dict[str, str] | None:
         """Caveats of the friction tests that the study stores, if the interface file is missing; otherwise None.
 
-        None also if no caveats are stored. The caveats are unknown if the file has changed, or if an older
+        The value is also None if no caveats are stored. The caveats are unknown if the file has changed, or if an older
         version of the program stored this section.
         """
         if self.faults is None or self.cautions is None or os.path.lexists(self.file):

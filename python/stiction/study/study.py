@@ -794,7 +794,7 @@ def find_member_differences(first_study: Study, second_study: Study) -> list[Stu
 
 
 def _have_equal_central_values(first_study: Study, second_study: Study, key: str) -> bool:
-    """Return whether a key is that of an input, such as the hardness, with equal central values in two studies."""
+    """Return whether a key names an input, such as the hardness, whose central values are equal in two studies."""
     section, _, name = key.partition(".")
     values = [getattr(getattr(study, section), name, None) for study in (first_study, second_study)]
     inputs = [value if isinstance(value, tuple) else (value,) for value in values]

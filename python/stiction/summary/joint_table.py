@@ -210,7 +210,7 @@ def parse_closure_start(closure_from: Any, study: Study, nominal_area: float | N
 
 
 def add_load(loads: Floats, load: float) -> tuple[Floats, float]:
-    """Add a load (mN) to an array unless it is present; return the array, and the load as stored in it."""
+    """Add a load (mN) to an array that lacks the load. Return the array, and the load as stored in the array."""
     equal_loads = loads[np.isclose(loads, load, rtol=MAX_LOAD_ROUND_OFF, atol=0)]
     return (loads, float(equal_loads[0])) if equal_loads.size else (np.unique([*loads, load]), load)
 

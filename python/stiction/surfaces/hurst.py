@@ -335,7 +335,7 @@ def estimate_hurst_exponent(
 
 
 def _select_profile_harmonics(profile: Profile, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return wave numbers and powers of a profile's scaled heights, and the height (µm) by which they were divided."""
+    """Return wave numbers and powers of a profile's heights divided by a height, and this height (µm)."""
     heights = profile.heights - profile.heights.mean()
     if not periodic:
         centred_index = np.arange(heights.size) - (heights.size - 1) / 2
@@ -354,7 +354,7 @@ def _select_profile_harmonics(profile: Profile, periodic: bool) -> tuple[Floats,
 
 
 def _select_areal_harmonics(surface: Surface, periodic: bool) -> tuple[Floats, Floats, float]:
-    """Return wave numbers and powers of a map's scaled heights, and the height (µm) by which they were divided."""
+    """Return wave numbers and powers of a map's heights divided by a height, and this height (µm)."""
     heights = surface.heights - surface.heights.mean()
     if not periodic:
         heights = levelled(surface, "plane").heights

@@ -57,7 +57,7 @@ MAX_OVERVIEW_ROWS = 40
 
 
 def _select_overview_points(points: Sequence[PointSummary]) -> Sequence[PointSummary]:
-    """Return the result points for the overview: all or, if there are too many, those of a few mu0 and tau0.
+    """Return the result points for the overview: all or, if there are too many, only the points at a few mu0 and tau0.
 
     The selection has the middle mu0, and the lowest and the highest tau0.
     """

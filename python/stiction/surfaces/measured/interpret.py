@@ -411,7 +411,7 @@ def _describe_unclear_spacing(raw: RawHeights) -> str:
 
 
 def _reject_contradicting_spacing(raw: RawHeights, given: tuple[float, ...]) -> None:
-    """Raise `FormatError` if a header's spacing without a unit contradicts the user's spacing, whatever its unit is.
+    """Raise `FormatError` if a header's spacing without a unit contradicts the user's spacing in every possible unit.
 
     Two spacings in a header line of uncertain meaning must equal the user's spacings in either order.
     """

@@ -60,7 +60,7 @@ def _read(text: DecodedText) -> RawHeights:
 
 
 def _is_sdf(text: DecodedText) -> bool:
-    """Return whether a text is in SDF format: line 1 names a known version, or any version if declarations follow."""
+    """Return whether a text is in SDF format: line 1 names a known version or, if declarations follow, any version."""
     if _SDF_VERSION_PATTERN.fullmatch(text.line(0)) is not None:
         return True
     matches = map(_DECLARATION_PATTERN.fullmatch, text.first_lines[1:30])
