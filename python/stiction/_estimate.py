@@ -11,11 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction._checks import Floats
-from stiction._number_format import MAX_WITHOUT_EXPONENT, MIN_WITHOUT_EXPONENT, choose_prefixed_unit, format_significant
+from stiction._number_format import (
+    MAX_NUMBER_WITHOUT_EXPONENT,
+    MIN_NUMBER_WITHOUT_EXPONENT,
+    choose_prefixed_unit,
+    format_significant,
+)
 
 MAX_SIGNIFICANT_DIGITS = 4
 INFINITE_LIMIT_TEXT = "\N{INFINITY}"
-MAX_FULL_PRECISION_LIMIT_RATIO = 100.0
+MAX_LIMIT_TO_VALUE_RATIO_AT_FULL_PRECISION = 100.0
 DECIMALS_CODE_OF_NO_INTERVAL = -128
 DECIMALS_CODE_OF_EXPONENT = -127
 MAX_DECIMALS = 100
@@ -226,8 +231,10 @@ def count_estimate_decimals(
         decimals = _count_interval_decimals(value, lower, np.where(np.isinf(upper), 2 * value - lower, upper), digits)
         scale = 10.0 ** np.clip(decimals, -MAX_DECIMALS, MAX_DECIMALS)
         are_ends_equal = np.isfinite(upper) & (np.abs(np.round(lower * scale) - np.round(upper * scale)) < 1)
-        is_huge = np.isfinite(upper) & (upper > MAX_FULL_PRECISION_LIMIT_RATIO * np.abs(value)) & (value != 0)
-    has_exponent = is_huge & ~((upper >= MIN_WITHOUT_EXPONENT) & (upper < MAX_WITHOUT_EXPONENT))
+        is_huge = (
+            np.isfinite(upper) & (upper > MAX_LIMIT_TO_VALUE_RATIO_AT_FULL_PRECISION * np.abs(value)) & (value != 0)
+        )
+    has_exponent = is_huge & ~((upper >= MIN_NUMBER_WITHOUT_EXPONENT) & (upper < MAX_NUMBER_WITHOUT_EXPONENT))
     upper_limit_decimals = np.where(is_huge, _count_significant_decimals(upper, 1), decimals)
     value_decimals = -_find_decimal_exponents(value) + 1 if digits == 1 else _count_significant_decimals(value, 3)
     decimals = np.where(are_ends_equal, _count_significant_decimals(value, MAX_SIGNIFICANT_DIGITS), decimals)

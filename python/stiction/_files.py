@@ -26,11 +26,11 @@ The name contains the machine, the process id, the run and a random number.
 # Age (s) above which a partial file from another machine counts as abandoned.
 MAX_PARTIAL_FILE_AGE = 3600.0
 # Interval (s) between renewals of the file that claims a directory. A claim expires only after several missed renewals.
-CLAIM_REFRESH_INTERVAL = 300.0
+CLAIM_FILE_REFRESH_INTERVAL = 300.0
 _MACHINE_TOKEN = f"{zlib.crc32(platform.node().encode()):08x}"
 # A random token identifies this process, because the operating system reuses process numbers.
 _PROCESS_TOKEN = secrets.token_hex(4)
-_NUM_SEARCHED_BYTES = 2**16
+_NUM_BYTES_SEARCHED_FOR_FILE_MARK = 2**16
 
 
 # ---- Writing --------------------------------------------------------------------------------------------------------
@@ -163,7 +163,7 @@ class DirectoryClaim:
             self._refresh_thread.start()
 
     def _refresh_regularly(self) -> None:
-        while not self._has_ended.wait(CLAIM_REFRESH_INTERVAL):
+        while not self._has_ended.wait(CLAIM_FILE_REFRESH_INTERVAL):
             with suppress(OSError):
                 # Another machine may have removed the claim file as abandoned.
                 self.file.touch()
@@ -234,9 +234,9 @@ def contains_file_mark(path: Path, mark: bytes) -> bool:
     if not path.is_file():
         return False
     with path.open("rb") as file:
-        head = file.read(_NUM_SEARCHED_BYTES)
-        file.seek(max(len(head), path.stat().st_size - _NUM_SEARCHED_BYTES))
-        return mark in head or mark in file.read(_NUM_SEARCHED_BYTES)
+        head = file.read(_NUM_BYTES_SEARCHED_FOR_FILE_MARK)
+        file.seek(max(len(head), path.stat().st_size - _NUM_BYTES_SEARCHED_FOR_FILE_MARK))
+        return mark in head or mark in file.read(_NUM_BYTES_SEARCHED_FOR_FILE_MARK)
 
 
 # ---- Reading --------------------------------------------------------------------------------------------------------

@@ -24,7 +24,7 @@ _PREFIXED_UNITS = {
 _UNPREFIXED_UNITS = ((0.0, 1.0, ""),)
 
 
-MIN_WITHOUT_EXPONENT, MAX_WITHOUT_EXPONENT = 1e-6, 1e6
+MIN_NUMBER_WITHOUT_EXPONENT, MAX_NUMBER_WITHOUT_EXPONENT = 1e-6, 1e6
 
 
 def format_significant(value: float, digits: int = 2) -> str:
@@ -32,7 +32,7 @@ def format_significant(value: float, digits: int = 2) -> str:
     if math.isnan(value):
         return "none"
     text = f"{value:.{digits}g}"
-    if "e" not in text or not MIN_WITHOUT_EXPONENT <= abs(value) < MAX_WITHOUT_EXPONENT:
+    if "e" not in text or not MIN_NUMBER_WITHOUT_EXPONENT <= abs(value) < MAX_NUMBER_WITHOUT_EXPONENT:
         return text
     rounded = float(text)
     return f"{rounded:.0f}" if abs(rounded) >= 1 else f"{rounded:.{digits + 5}f}".rstrip("0")

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 NOTEBOOK_IMAGE_DPI = 110  # dots per inch
 NOTEBOOK_IMAGE_SIZE = (4.6, 3.2)  # inches
 # In a notebook, figures up to this width (inches) have a higher resolution than wider figures.
-MAX_ONE_COLUMN_WIDTH = 4.0
+MAX_NARROW_FIGURE_WIDTH = 4.0
 # Level 4 of zlib takes half the time of level 6, and makes images of maps 10 % larger.
 PNG_COMPRESSION = 4
 
@@ -169,7 +169,7 @@ def describe_figure_axes(figure: Any) -> str:
 def render_png(figure: Any) -> bytes:
     """Render a Matplotlib figure as PNG bytes, with 1.5 times the resolution if the figure is only one column wide."""
     buffer = io.BytesIO()
-    is_narrow = figure.get_size_inches()[0] <= MAX_ONE_COLUMN_WIDTH
+    is_narrow = figure.get_size_inches()[0] <= MAX_NARROW_FIGURE_WIDTH
     write_png(figure, buffer, dpi=1.5 * NOTEBOOK_IMAGE_DPI if is_narrow else NOTEBOOK_IMAGE_DPI)
     return buffer.getvalue()
 

@@ -28,9 +28,9 @@ PAIR_OPTIONS = {
     "onset": 0,
 }  # fmt: skip
 MU0, TAU0, RELATIVE_ERROR = 0.15, 0.05, 0.02
-TESTED_RMS, PREDICTED_RMS = 0.05, 0.02  # µm
+RMS_HEIGHT_OF_TESTED_PAIR, RMS_HEIGHT_OF_PREDICTED_PAIR = 0.05, 0.02  # µm
 BALL_LOADS = (5.0, 50.0, 500.0, 5000.0)
-NUM_DRAWS = 200_000
+NUM_MONTE_CARLO_SAMPLES = 200_000
 
 INTERVAL_TOLERANCE = 0.05
 """Tolerance of interval limits, as a fraction of the width. The interval is computed from 4000 joint samples."""
@@ -93,8 +93,8 @@ def simulate_tests(
     tau0: float = TAU0,
 ) -> list:  # fmt: skip
     """Return tests of a rough pair with given hardness (GPa) and exponent, and of a ball, with random errors."""
-    areas = [area_per_load(TESTED_RMS, hardness, exponent)] * 3
-    bodies = [(press_pair(TESTED_RMS), "20 MPa")] * 3
+    areas = [area_per_load(RMS_HEIGHT_OF_TESTED_PAIR, hardness, exponent)] * 3
+    bodies = [(press_pair(RMS_HEIGHT_OF_TESTED_PAIR), "20 MPa")] * 3
     if with_ball:
         areas += [BALL.area_per_load(load) for load in BALL_LOADS]
         bodies += [(BALL, load) for load in BALL_LOADS]
@@ -123,7 +123,7 @@ def max_friction_for_finer_scans(coefficient: Any, mu0: Any, plastic_friction: A
 @cache
 def read_contacts_and_position_error() -> tuple[float, float]:
     """Return the number of contacts of the predicted pair, and the relative standard error of its mean coefficient."""
-    point = press_pair(PREDICTED_RMS).at("20 MPa")
+    point = press_pair(RMS_HEIGHT_OF_PREDICTED_PAIR).at("20 MPa")
     _, lower, upper = point["mean_friction"].sel(sliding="all").squeeze().values
     return 4 * point["contact_count"].sel(statistic="mean").item(), math.log(upper / lower) / (2 * 1.96)
 
@@ -146,17 +146,24 @@ def draw_strengths(tests: list, pair_area: np.ndarray, random: np.random.Generat
     The tests determine both coefficients. Each draw is weighted by the evidence of the tests.
     """
     areas = np.stack(
-        [np.full(NUM_DRAWS, BALL.area_per_load(float(t.load))) if t.result is BALL else pair_area for t in tests],
+        [
+            np.full(NUM_MONTE_CARLO_SAMPLES, BALL.area_per_load(float(t.load))) if t.result is BALL else pair_area
+            for t in tests
+        ],
         axis=1,
     )
     weight, y = np.array([1 / test.uncertainty**2 for test in tests]), np.array([test.coefficient for test in tests])
-    information = np.empty((NUM_DRAWS, 2, 2))
+    information = np.empty((NUM_MONTE_CARLO_SAMPLES, 2, 2))
     information[:, 0, 0], information[:, 1, 1] = weight.sum(), areas**2 @ weight
     information[:, 0, 1] = information[:, 1, 0] = areas @ weight
     covariance = np.linalg.inv(information)
-    best = np.einsum("nij,nj->ni", covariance, np.stack([np.full(NUM_DRAWS, weight @ y), areas @ (weight * y)], axis=1))
+    best = np.einsum(
+        "nij,nj->ni", covariance, np.stack([np.full(NUM_MONTE_CARLO_SAMPLES, weight @ y), areas @ (weight * y)], axis=1)
+    )
     chi_squared = (y - best[:, :1] - best[:, 1:] * areas) ** 2 @ weight
-    deviates = np.einsum("nij,nj->ni", np.linalg.cholesky(covariance), random.standard_normal((NUM_DRAWS, 2)))
+    deviates = np.einsum(
+        "nij,nj->ni", np.linalg.cholesky(covariance), random.standard_normal((NUM_MONTE_CARLO_SAMPLES, 2))
+    )
     mu0, tau0 = (best + deviates).T
     evidence = (
         np.exp(-0.5 * (chi_squared - chi_squared.min())) * np.sqrt(np.linalg.det(covariance)) * areas.mean(axis=1)
@@ -169,7 +176,7 @@ def draw_strengths_of_one_pair(
 ) -> tuple[np.ndarray, ...]:
     """Draw mu0 and tau0 given tests on one pair, which determine only the sum. mu0 is a given fraction of this sum."""
     weight, y = np.array([1 / test.uncertainty**2 for test in tests]), np.array([test.coefficient for test in tests])
-    total = random.normal(weight @ y / weight.sum(), 1 / math.sqrt(weight.sum()), NUM_DRAWS)
+    total = random.normal(weight @ y / weight.sum(), 1 / math.sqrt(weight.sum()), NUM_MONTE_CARLO_SAMPLES)
     return fraction * total, (1 - fraction) * total / pair_area, total
 
 
@@ -186,18 +193,20 @@ def compute_limits_by_brute_force(tests: list, *, with_ball: bool) -> dict[str, 
     errors are drawn from their distributions, and are the same in the tests and in the predicted pair.
     """
     random = np.random.default_rng(5)
-    hardness, exponent = draw_inputs(random, NUM_DRAWS)
-    area_error = np.exp(relative_area_error(press_pair(TESTED_RMS)) * random.standard_normal(NUM_DRAWS))
-    pair_area = area_per_load(TESTED_RMS, hardness, exponent) * area_error
-    scores, fraction = random.standard_normal(NUM_DRAWS), random.random(NUM_DRAWS)
+    hardness, exponent = draw_inputs(random, NUM_MONTE_CARLO_SAMPLES)
+    area_error = np.exp(
+        relative_area_error(press_pair(RMS_HEIGHT_OF_TESTED_PAIR)) * random.standard_normal(NUM_MONTE_CARLO_SAMPLES)
+    )
+    pair_area = area_per_load(RMS_HEIGHT_OF_TESTED_PAIR, hardness, exponent) * area_error
+    scores, fraction = random.standard_normal(NUM_MONTE_CARLO_SAMPLES), random.random(NUM_MONTE_CARLO_SAMPLES)
     if with_ball:
         draws = [draw_strengths(tests, pair_area, random)]
     else:
-        fractions = random.random(NUM_DRAWS), 0.0, 1.0
+        fractions = random.random(NUM_MONTE_CARLO_SAMPLES), 0.0, 1.0
         draws = [draw_strengths_of_one_pair(tests, pair_area, each, random) for each in fractions]
     intervals = []
     for mu0, tau0, weight in draws:
-        coefficient = mu0 + tau0 * area_per_load(PREDICTED_RMS, hardness, exponent)
+        coefficient = mu0 + tau0 * area_per_load(RMS_HEIGHT_OF_PREDICTED_PAIR, hardness, exponent)
         coefficient = add_errors_of_scans(coefficient, mu0, mu0 + tau0 / hardness, fraction, scores)
         intervals.append(weighted_limits(coefficient, weight))
     lowers, uppers = np.transpose(intervals)
@@ -216,9 +225,9 @@ def test_prediction_and_pair_agree_with_a_joint_monte_carlo_calculation(tmp_path
     tests = simulate_tests(0.9, 1.3, np.random.default_rng(2), with_ball=with_ball)
     strength = calibrate(tests, common=0.0, sliding="all")
     assert strength.separated == with_ball
-    predicted = strength.predict(press_pair(PREDICTED_RMS), "20 MPa")
+    predicted = strength.predict(press_pair(RMS_HEIGHT_OF_PREDICTED_PAIR), "20 MPa")
     write_interface(strength, tmp_path / "film")
-    maps = rough_maps(1, rms=PREDICTED_RMS, shortest_wavelength=0.5)
+    maps = rough_maps(1, rms=RMS_HEIGHT_OF_PREDICTED_PAIR, shortest_wavelength=0.5)
     result = pair(*maps, interface=tmp_path / "film", **UNCERTAIN_INPUTS, **PAIR_OPTIONS)
     assert predicted == pytest.approx((result.value, *result.interval), rel=1e-6)
     assert read_interface(tmp_path / "film").predict(result, "20 MPa") == pytest.approx(predicted, rel=1e-6)
@@ -243,9 +252,11 @@ def test_prediction_contains_the_true_coefficient_in_most_synthetic_cases() -> N
     random, num_cases, num_covered = np.random.default_rng(7), 24, 0
     for hardness, exponent in zip(*draw_inputs(random, num_cases), strict=True):
         tests = simulate_tests(hardness, exponent, random)
-        coefficient = MU0 + TAU0 * area_per_load(PREDICTED_RMS, hardness, exponent)
+        coefficient = MU0 + TAU0 * area_per_load(RMS_HEIGHT_OF_PREDICTED_PAIR, hardness, exponent)
         truth = add_errors_of_scans(coefficient, MU0, MU0 + TAU0 / hardness, random.random(), random.standard_normal())
-        _, lower, upper = calibrate(tests, common=0.0, sliding="all").predict(press_pair(PREDICTED_RMS), "20 MPa")
+        _, lower, upper = calibrate(tests, common=0.0, sliding="all").predict(
+            press_pair(RMS_HEIGHT_OF_PREDICTED_PAIR), "20 MPa"
+        )
         num_covered += lower < truth < upper
     assert num_covered >= 22  # with 95 % coverage, fewer have a probability of 3 %
 
@@ -254,27 +265,27 @@ def test_prediction_from_tests_of_one_pair_contains_the_true_coefficient_if_mu0_
     random, num_cases, num_covered, tau0 = np.random.default_rng(7), 24, 0, 0.08
     for hardness, exponent in zip(*draw_inputs(random, num_cases), strict=True):
         tests = simulate_tests(hardness, exponent, random, with_ball=False, mu0=0.0, tau0=tau0)
-        coefficient = tau0 * area_per_load(PREDICTED_RMS, hardness, exponent)
+        coefficient = tau0 * area_per_load(RMS_HEIGHT_OF_PREDICTED_PAIR, hardness, exponent)
         truth = add_errors_of_scans(coefficient, 0.0, tau0 / hardness, random.random(), random.standard_normal())
         strength = calibrate(tests, common=0.0, sliding="all")
         assert strength.possible_zeros == ("mu0", "tau0")
-        _, lower, upper = strength.predict(press_pair(PREDICTED_RMS), "20 MPa")
+        _, lower, upper = strength.predict(press_pair(RMS_HEIGHT_OF_PREDICTED_PAIR), "20 MPa")
         num_covered += lower < truth < upper
     assert num_covered >= 22
 
 
 def test_prediction_interval_does_not_widen_if_tests_of_the_same_pair_are_added() -> None:
-    test = FrictionTest(press_pair(TESTED_RMS), "20 MPa", coefficient=0.25, uncertainty=0.01)
+    test = FrictionTest(press_pair(RMS_HEIGHT_OF_TESTED_PAIR), "20 MPa", coefficient=0.25, uncertainty=0.01)
     widths = []
     for num_tests in range(1, 9):
         strength = calibrate([test] * num_tests, common=0.0, sliding="all")
-        widths.append(np.ptp(strength.predict(press_pair(PREDICTED_RMS), "20 MPa")[1:]))
+        widths.append(np.ptp(strength.predict(press_pair(RMS_HEIGHT_OF_PREDICTED_PAIR), "20 MPa")[1:]))
     assert (np.diff(widths) < 0.02 * widths[0]).all()
     assert widths[-1] < widths[0]
 
 
 def test_planned_tests_of_a_pair_keep_the_common_error_and_are_combined_with_the_existing_tests() -> None:
-    result, widths, planned_widths = press_pair(TESTED_RMS), {}, {}
+    result, widths, planned_widths = press_pair(RMS_HEIGHT_OF_TESTED_PAIR), {}, {}
     for common in (0.0, 0.05):
         tests = [FrictionTest(result, "20 MPa", coefficient=0.25, uncertainty=0.005) for _ in range(4)]
         strength = calibrate(tests, common=common, sliding="all")
@@ -288,7 +299,7 @@ def test_planned_tests_of_a_pair_keep_the_common_error_and_are_combined_with_the
 
 
 def test_plans_for_a_law_from_a_file_keep_the_common_error_of_its_tests(tmp_path) -> None:
-    result = press_pair(TESTED_RMS)
+    result = press_pair(RMS_HEIGHT_OF_TESTED_PAIR)
     test = FrictionTest(result, "20 MPa", coefficient=0.25, uncertainty=0.005)
     write_interface(calibrate([test] * 4, common=0.1, sliding="all"), tmp_path / "film")
     text = (tmp_path / "film").read_text()
@@ -311,7 +322,7 @@ def test_plans_for_a_law_from_a_file_keep_the_common_error_of_its_tests(tmp_path
 
 def test_uninformative_test_of_a_pair_does_not_narrow_its_predicted_interval() -> None:
     """A ball determines mu0 and tau0; a test of the pair with an error of 30 % adds nothing to the area of the pair."""
-    result, random = press_pair(PREDICTED_RMS), np.random.default_rng(5)
+    result, random = press_pair(RMS_HEIGHT_OF_PREDICTED_PAIR), np.random.default_rng(5)
     ball_tests = [
         FrictionTest(BALL, load, coefficient=y * (1 + 0.01 * random.standard_normal()), uncertainty=0.01 * y)
         for load, y in ((load, MU0 + TAU0 * BALL.area_per_load(load)) for load in BALL_LOADS)

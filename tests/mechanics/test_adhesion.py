@@ -361,7 +361,7 @@ def test_contact_is_iterated_if_the_energy_minimization_does_not_converge(monkey
     assert (curve.contact(0).pressure == slow_curve.contact(0).pressure).all()
 
 
-class InterruptingSolutionRecord(SolutionRecord):
+class SolutionRecordThatInterrupts(SolutionRecord):
     """Record that interrupts the computation when it is offered a state, or that continues from a stored state."""
 
     def __init__(self, interrupted_offer=None, state=None):
@@ -388,11 +388,14 @@ def test_resumed_energy_minimization_gives_bit_identical_results(boundary):
         solver = AdhesionSolver(curve._problem, tolerance=1e-6, report=None, record=record)
         return EnergyMinimizer(solver).minimize(start, -0.95 * curve.pull_off / solver.mean_pressure_to_force(1.0))
 
-    complete_record, interrupted_record = InterruptingSolutionRecord(), InterruptingSolutionRecord(interrupted_offer=5)
+    complete_record, interrupted_record = (
+        SolutionRecordThatInterrupts(),
+        SolutionRecordThatInterrupts(interrupted_offer=5),
+    )
     expected_state = minimize(complete_record)
     with pytest.raises(InterruptedError):
         minimize(interrupted_record)
-    continued_record = InterruptingSolutionRecord(state=interrupted_record.state)
+    continued_record = SolutionRecordThatInterrupts(state=interrupted_record.state)
     state = minimize(continued_record)
     assert (state.pressure == expected_state.pressure).all()
     assert (state.attraction == expected_state.attraction).all()

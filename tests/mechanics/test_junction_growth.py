@@ -4,7 +4,7 @@ from scipy.ndimage import map_coordinates
 from scipy.optimize import brentq
 from stiction import half_space, hardness_under_shear, self_affine_surface, tabor_friction
 from stiction._core import interpolate_table
-from stiction.mechanics.friction import FrictionLaw, _tabulate_limited_pressure_ratios
+from stiction.mechanics.friction import FrictionLaw, _tabulate_capped_pressure_ratios
 
 ROUND_OFF = 1e-12
 
@@ -212,7 +212,7 @@ def test_friction_in_bulk_shear_agrees_with_a_mean_over_quantiles_of_the_pressur
 
 
 def test_interpolation_of_hardness_limited_pressures_equals_scipy_interpolation():
-    table = _tabulate_limited_pressure_ratios()
+    table = _tabulate_capped_pressure_ratios()
     last_row, last_column = (size - 1 for size in table.shape)
     rows, columns = np.random.default_rng(3).uniform(0, [[last_row], [last_column]], (2, 1000))
     rows[:3], columns[:3] = [0, last_row, last_row], [0, 0.5, last_column]

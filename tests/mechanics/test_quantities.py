@@ -15,8 +15,8 @@ from stiction.mechanics.quantities import (
     ADHESION_QUANTITIES,
     HALF_SPACE_SUM_QUANTITIES,
     QUANTITIES,
+    QUANTITIES_SUMMED_AT_ZERO_LOAD,
     SUM_QUANTITIES,
-    ZERO_LOAD_SUM_QUANTITIES,
     quantity_names_shown_in,
 )
 from stiction.study.study import parse_study_of_dataset
@@ -188,7 +188,7 @@ def test_table_of_quantities_contains_every_contact_sum_and_validity_indicator()
     assert {*statistics} <= {name for name, quantity in QUANTITIES.items() if "measured" in quantity.stored}
     assert ADHESION_QUANTITIES[0] == "contact_load"
     assert not {*HALF_SPACE_SUM_QUANTITIES} & {*ADHESION_QUANTITIES}
-    assert [QUANTITIES[name].sum_under_load for name in ZERO_LOAD_SUM_QUANTITIES] == list(LOAD_SUM_NAMES[3:])
+    assert [QUANTITIES[name].sum_under_load for name in QUANTITIES_SUMMED_AT_ZERO_LOAD] == list(LOAD_SUM_NAMES[3:])
 
 
 def test_quantities_in_the_table_have_a_label_and_refer_to_existing_quantities():

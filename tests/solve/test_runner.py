@@ -307,7 +307,7 @@ class ExecutorThatAgesPartialFiles(Executor):
 @pytest.mark.parametrize("is_removed", [False, True], ids=["old", "removed"])
 def test_run_refreshes_its_claim_files_in_the_result_directory_while_it_computes(tmp_path, monkeypatch, is_removed):
     """Check that claims are refreshed, because other machines remove a claim that was not refreshed for an hour."""
-    monkeypatch.setattr(_files, "CLAIM_REFRESH_INTERVAL", 0.01, raising=False)
+    monkeypatch.setattr(_files, "CLAIM_FILE_REFRESH_INTERVAL", 0.01, raising=False)
 
     def wait_until_recent(file):
         if is_removed:

@@ -48,7 +48,7 @@ def directory_copy(finished_directory, tmp_path):
     return shutil.copytree(finished_directory, tmp_path / "r")
 
 
-def block_states(path):
+def read_block_states(path):
     """Return the inode and modification time of each block file by name."""
     return {file.name: (file.stat().st_ino, file.stat().st_mtime_ns) for file in (path / BLOCKS_DIRECTORY).iterdir()}
 
@@ -78,7 +78,7 @@ def test_stored_result_equals_the_computed_dataset(tmp_path, uninterrupted_datas
     assert_same_bits(run(TINY_STUDY, store=path).dataset, uninterrupted_dataset)
     assert_same_bits(store.read(path), uninterrupted_dataset)
     assert sorted(os.listdir(path)) == [BLOCKS_DIRECTORY, STUDY_FILE]
-    assert [file[:15] for file in sorted(block_states(path))] == [
+    assert [file[:15] for file in sorted(read_block_states(path))] == [
         f"{k:07d}-{min(k + 3, 21):07d}" for k in range(0, 22, 4)
     ]
     info = store.info(path)
@@ -103,7 +103,7 @@ def test_stored_result_that_lacks_a_quantity_added_in_a_newer_version_can_be_rea
 
 def test_two_runs_of_a_study_write_blocks_with_equal_checksums(tmp_path, directory_copy):
     compute_missing_blocks(TINY_STUDY, tmp_path / "again", executor=InlineExecutor())
-    assert block_states(directory_copy).keys() == block_states(tmp_path / "again").keys()
+    assert read_block_states(directory_copy).keys() == read_block_states(tmp_path / "again").keys()
 
 
 def test_xarray_can_open_blocks_of_a_stored_result(directory_copy, uninterrupted_dataset):
@@ -161,7 +161,7 @@ def test_encoding_a_block_waits_until_another_thread_has_imported_the_packages()
 def test_stored_result_that_is_read_in_pieces_equals_the_computed_dataset(
     directory_copy, uninterrupted_dataset, monkeypatch
 ):
-    monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.compute_bytes_per_member(TINY_STUDY))
+    monkeypatch.setattr(layout, "MAX_MEMBER_PIECE_BYTES", 9 * layout.compute_bytes_per_member(TINY_STUDY))
     find_block_file(directory_copy, 4).unlink()
     incomplete_dataset = uninterrupted_dataset.isel(repetition=[*range(4), *range(8, 22)])
     piece_pairs = list(
@@ -177,7 +177,7 @@ def test_stored_result_that_is_read_in_pieces_equals_the_computed_dataset(
 def test_reading_one_variable_of_a_large_result_decodes_no_other_variable(
     directory_copy, uninterrupted_dataset, monkeypatch
 ):
-    monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.compute_bytes_per_member(TINY_STUDY))
+    monkeypatch.setattr(layout, "MAX_MEMBER_PIECE_BYTES", 9 * layout.compute_bytes_per_member(TINY_STUDY))
     stored_result, decoded_contents, read_names = store.open_stored_result(directory_copy), [], set()
     decode_members, read_variable = store.decode_members, store._read_variable
     monkeypatch.setattr(
@@ -235,9 +235,9 @@ def test_reading_a_result_larger_than_memory_is_rejected(directory_copy, monkeyp
 
 
 def test_reading_a_complete_result_computes_nothing(directory_copy, uninterrupted_dataset, computed_repetitions):
-    states_before = block_states(directory_copy)
+    states_before = read_block_states(directory_copy)
     assert_same_bits(run(TINY_STUDY, store=directory_copy).dataset, uninterrupted_dataset)
-    assert block_states(directory_copy) == states_before
+    assert read_block_states(directory_copy) == states_before
     study_at_other_mu0 = TINY_STUDY.with_changes({"friction.mu0": [0.2], "figures.draw": ["area"]})
     assert run(study_at_other_mu0, store=directory_copy).dataset.attrs["study"] == study_at_other_mu0.to_toml()
     assert store.info(directory_copy).study == study_at_other_mu0
@@ -247,12 +247,12 @@ def test_reading_a_complete_result_computes_nothing(directory_copy, uninterrupte
 def test_continued_run_computes_only_missing_blocks(directory_copy, uninterrupted_dataset, computed_repetitions):
     for first_repetition in (4, 20):
         find_block_file(directory_copy, first_repetition).unlink()
-    states_before = block_states(directory_copy)
+    states_before = read_block_states(directory_copy)
     with pytest.warns(UserWarning, match="16 of 22"):
         assert_same_bits(store.read(directory_copy), uninterrupted_dataset.isel(repetition=[*range(4), *range(8, 20)]))
     assert_same_bits(run(TINY_STUDY, store=directory_copy).dataset, uninterrupted_dataset)
     assert sorted(computed_repetitions) == [4, 5, 6, 7, 20, 21]
-    assert states_before.items() <= block_states(directory_copy).items()
+    assert states_before.items() <= read_block_states(directory_copy).items()
 
 
 def test_continued_run_with_more_repetitions_computes_only_the_new_repetitions(
@@ -265,8 +265,8 @@ def test_continued_run_with_more_repetitions_computes_only_the_new_repetitions(
             result.assign_attrs(uninterrupted_dataset.attrs),
             uninterrupted_dataset.isel(repetition=slice(num_repetitions)),
         )
-        assert states_before.items() <= block_states(tmp_path).items()
-        states_before = block_states(tmp_path)
+        assert states_before.items() <= read_block_states(tmp_path).items()
+        states_before = read_block_states(tmp_path)
     assert sorted(computed_repetitions) == list(range(22))
     with pytest.raises(StoreError, match=r"repetition 21 is finished, and ensemble\.repetitions = 21"):
         run(with_repetitions(21), store=tmp_path)
@@ -293,7 +293,7 @@ def test_concurrent_writers_store_the_same_result(tmp_path, uninterrupted_datase
         )
     for result in results:
         assert_same_bits(result, uninterrupted_dataset)
-    assert len(block_states(tmp_path / "r")) == 6
+    assert len(read_block_states(tmp_path / "r")) == 6
     assert_no_partial_files(tmp_path)
 
 
@@ -301,10 +301,10 @@ def test_concurrent_writers_store_the_same_result(tmp_path, uninterrupted_datase
     "change", [{"ensemble.seed": 1}, {"surfaces.gamma": 1.6}, {"contact.effective_modulus": "11 GPa"}], ids=str
 )
 def test_run_function_rejects_the_stored_result_of_another_study_and_names_the_changed_key(directory_copy, change):
-    states_before = block_states(directory_copy)
+    states_before = read_block_states(directory_copy)
     with pytest.raises(StoreError, match=next(iter(change))):
         run(TINY_STUDY.with_changes(change), store=directory_copy)
-    assert block_states(directory_copy) == states_before
+    assert read_block_states(directory_copy) == states_before
 
 
 def test_edited_study_file_that_contradicts_the_stored_blocks_is_rejected(directory_copy):
@@ -434,7 +434,7 @@ def test_run_leaves_files_of_other_programs_in_its_directory_unchanged(directory
         (directory_copy / BLOCKS_DIRECTORY / name).write_text("mine")
     (directory_copy / "more").mkdir()
     assert_same_bits(run(TINY_STUDY, store=directory_copy).dataset, uninterrupted_dataset)
-    assert {*names} <= block_states(directory_copy).keys()
+    assert {*names} <= read_block_states(directory_copy).keys()
 
 
 @pytest.mark.parametrize("kind", ["nothing", "file", "empty", "loop"])
@@ -819,7 +819,7 @@ def test_killed_run_does_not_leave_its_directory_locked(tmp_path, uninterrupted_
 def test_exported_dataset_equals_the_computed_dataset(
     directory_copy, uninterrupted_dataset, tmp_path, monkeypatch, kind
 ):
-    monkeypatch.setattr(layout, "MAX_PIECE_BYTES", 9 * layout.compute_bytes_per_member(TINY_STUDY))
+    monkeypatch.setattr(layout, "MAX_MEMBER_PIECE_BYTES", 9 * layout.compute_bytes_per_member(TINY_STUDY))
     file = tmp_path / "r.nc"
     export(uninterrupted_dataset if kind == "dataset" else store.open_stored_result(directory_copy).dataset(), file)
     assert_same_bits(store.read(file), uninterrupted_dataset)

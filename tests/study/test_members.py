@@ -7,7 +7,7 @@ from stiction import Study, pair_of, random_phases, weierstrass_mandelbrot
 from stiction.study import members as members_module
 from support.studies_of_files import pair_study, write_maps
 
-MATERIAL = {"effective_modulus": "100 GPa", "hardness": "2 GPa", "load": "1 MPa", "mu0": 0.2}
+MATERIAL_OPTIONS_OF_PAIR = {"effective_modulus": "100 GPa", "hardness": "2 GPa", "load": "1 MPa", "mu0": 0.2}
 
 STUDY = Study().with_changes(
     {
@@ -71,7 +71,9 @@ def test_pair_generation_rejects_invalid_arguments(repetition, dimension, amplit
 
 def test_measured_bodies_are_filtered_only_once_for_all_threads(tmp_path):
     spacing = write_maps(tmp_path, shape=(256, 256))
-    study = pair_study(tmp_path / "upper.npy", tmp_path / "lower.npy", spacing=spacing, unit="um", **MATERIAL)
+    study = pair_study(
+        tmp_path / "upper.npy", tmp_path / "lower.npy", spacing=spacing, unit="um", **MATERIAL_OPTIONS_OF_PAIR
+    )
     bodies, num_threads = members_module.read_measured_bodies(study), 4
     barrier = threading.Barrier(num_threads)
 
@@ -90,6 +92,8 @@ def test_nominal_area_of_a_measured_pair_is_computed_without_preparing_the_bodie
     pressed_bodies = []
     monkeypatch.setattr(members_module, "estimate_roughness_drift", lambda body: pressed_bodies.append(body) or 0.0)
     # The hardness times the nominal area limits the load.
-    study = pair_study(tmp_path / "upper.npy", tmp_path / "lower.npy", spacing=spacing, unit="um", **MATERIAL)
+    study = pair_study(
+        tmp_path / "upper.npy", tmp_path / "lower.npy", spacing=spacing, unit="um", **MATERIAL_OPTIONS_OF_PAIR
+    )
     assert members_module.find_body_attributes(study).nominal_area > 0
     assert len(pressed_bodies) == 2

@@ -23,7 +23,7 @@ from stiction.study.pair_options import (
 from stiction.study.values import find_section_classes
 
 ROOT = Path(__file__).parent.parent.parent
-RUFF = Path(sys.executable).with_name("ruff")
+RUFF_PATH = Path(sys.executable).with_name("ruff")
 
 
 def pair_command():
@@ -31,7 +31,7 @@ def pair_command():
     return group.get_command(group.context_class(group), "pair")
 
 
-@pytest.mark.skipif(not RUFF.exists(), reason="ruff, which formats the generated code, is installed by ./dev lint")
+@pytest.mark.skipif(not RUFF_PATH.exists(), reason="ruff, which formats the generated code, is installed by ./dev lint")
 def test_generated_signatures_of_the_pair_function_match_the_pair_options():
     """Check that packaging/pair_options.py was run after the last change of an option."""
     script = ROOT / "packaging/pair_options.py"

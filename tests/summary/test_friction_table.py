@@ -248,7 +248,7 @@ def test_table_command_starts_with_the_sliding_rule_of_the_interface(tmp_path, r
 
 
 def test_table_command_writes_the_joint_table_of_measured_profiles(tmp_path, monkeypatch):
-    monkeypatch.setattr("stiction.summary.joint_table.MAX_LOAD_RATIO", 4.0)
+    monkeypatch.setattr("stiction.summary.joint_table.MAX_RATIO_OF_SUCCESSIVE_LOADS", 4.0)
     write_profiles(tmp_path)
     options = ["--unit", "um", "--spacing", "0.02 um", "--upper", "steel", "--lower", "brass", "--hardness", "2 GPa"]
     arguments = ["--mu0", "0.2,0.3", "--tau0", "50 MPa", "--load", "5 MPa,50 MPa"]

@@ -766,7 +766,7 @@ def test_missing_points_are_found_in_all_pieces_of_a_long_text(write_file):
     lines = [next(words) if gap else f"{height:.6f}" for height, gap in zip(heights, is_missing, strict=True)]
     path = write_file("z (um)\n" + "\n".join(lines))
     profile = read_profile(path, spacing="1 um", missing="mask")
-    assert path.stat().st_size > 2 * text_files.CHARACTERS_PER_STEP
+    assert path.stat().st_size > 2 * text_files.CHARACTERS_CLASSIFIED_PER_STEP
     assert np.array_equal(profile.missing, is_missing)
     np.testing.assert_allclose(profile.heights[~is_missing], heights[~is_missing], rtol=0, atol=5.1e-7)
 

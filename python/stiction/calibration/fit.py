@@ -40,7 +40,7 @@ from stiction.study.interfaces import (
     area_error_name,
     compute_coverage_at_bound,
 )
-from stiction.study.shared_inputs import INPUTS_COMPARED_ELSEWHERE
+from stiction.study.shared_inputs import INPUTS_WITHOUT_RANGE_COMPARISON
 
 # A nuisance point is a random sample of all uncertain parameters of the fit, except mu0 and tau0.
 NUM_NUISANCE_POINTS_PER_ROUND = 256
@@ -534,7 +534,7 @@ class CalibrationProblem:
         The area loss under shear is left out, because each pair has its own.
         """
         inputs = [item for equation in self._friction for item in equation.area_factor.inputs.items()]
-        ignored_names = ("area_loss", *INPUTS_COMPARED_ELSEWHERE)
+        ignored_names = ("area_loss", *INPUTS_WITHOUT_RANGE_COMPARISON)
         exact_inputs = (
             (name, float(value.value)) for name, value in inputs if value.is_exact and name not in ignored_names
         )

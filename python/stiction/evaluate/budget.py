@@ -33,7 +33,7 @@ from stiction.evaluate.member_values import estimate_area_error, interpolate_mem
 from stiction.evaluate.point import list_rules_with_reported_first
 from stiction.evaluate.response import ContactResponseToInputs, InputValues, build_closure_curves
 from stiction.mechanics.friction import LOAD_SUM_NAMES, sums_per_load
-from stiction.mechanics.quantities import INTERVAL_KIND_ATTRIBUTE, ZERO_LOAD_SUM_QUANTITIES, quantity_attributes
+from stiction.mechanics.quantities import INTERVAL_KIND_ATTRIBUTE, QUANTITIES_SUMMED_AT_ZERO_LOAD, quantity_attributes
 from stiction.solve.alternative_preparations import ALTERNATIVE_LABELS, AlternativeName, load_stored_alternatives
 from stiction.solve.layout import arrange_axes, share_read_only
 from stiction.solve.member_sums import MemberSums
@@ -436,9 +436,9 @@ def _iterate_intervals(
         area_errors = _get_arrays_over_dims({"error": errors.variable}, at, dims)["error"]
     sums_at_no_load = {}
     if "friction_at_no_load" in at:
-        mean_sums = result.means(ZERO_LOAD_SUM_QUANTITIES).mean("direction")
+        mean_sums = result.means(QUANTITIES_SUMMED_AT_ZERO_LOAD).mean("direction")
         sums_at_no_load = _get_arrays_over_dims(
-            {name: mean_sums.variables[name] for name in ZERO_LOAD_SUM_QUANTITIES}, at, dims
+            {name: mean_sums.variables[name] for name in QUANTITIES_SUMMED_AT_ZERO_LOAD}, at, dims
         )
     shape = tuple(at.sizes[dim] for dim in dims)
     all_inputs = replace(study_inputs, mu0=at["mu0"].values[:, np.newaxis], tau0=at["tau0"].values)

@@ -34,9 +34,9 @@ from stiction.mechanics.quantities import (
     INTERPOLATED_QUANTITIES,
     LOADING_COUNTERPARTS,
     QUANTITIES,
+    QUANTITIES_SUMMED_AT_ZERO_LOAD,
     STIFFNESS_PER_AREA_FACTOR,
     VALIDITY_RATIO_OPERANDS,
-    ZERO_LOAD_SUM_QUANTITIES,
     is_requested,
     quantity_attributes,
 )
@@ -502,7 +502,7 @@ def _evaluate_pull_off(piece: xarray.Dataset, member_dims: tuple[str, ...], law:
         name: _to_float_array(piece.variables[name], (*member_dims, *MOTION_DIMENSION_NAMES), missing=True)[
             ..., None, None
         ]
-        for name in ZERO_LOAD_SUM_QUANTITIES
+        for name in QUANTITIES_SUMMED_AT_ZERO_LOAD
     }
     direction_axis = len(member_dims) + 1
     # In the model, adhesive contacts lose area under shear but do not grow, so only the area loss is applied.

@@ -83,14 +83,14 @@ Shield, Proceedings of the Royal Society A 233 (1955) 267; Eason & Shield, ZAMP 
 MAX_NEGLECTED_BULK_SHEAR_EFFECT = 0.05
 """Largest relative reduction of the friction force by shear of the softer body that is neglected."""
 
-MIN_TABULATED_MEAN_PRESSURE, NUM_TABULATED_VALUES = 0.005, 256
-"""Smallest mean pressure in the table of `_compute_limited_pressure_ratio`, as a fraction of the largest pressure.
+MIN_TABULATED_MEAN_PRESSURE, NUM_TABLE_ENTRIES_PER_AXIS = 0.005, 256
+"""Smallest mean pressure in the table of `_compute_capped_pressure_ratio`, as a fraction of the largest pressure.
 
 The second constant is the number of entries of the table along each axis.
 """
 
 # Number of Newton steps after which the yield pressure by slip-line theory is exact to round-off.
-NUM_PRESSURE_STEPS = 3
+NUM_NEWTON_STEPS_FOR_YIELD_PRESSURE = 3
 
 
 @dataclass(frozen=True)
@@ -248,7 +248,7 @@ class FrictionLaw:
         with np.errstate(invalid="ignore", divide="ignore"):
             limit_pressure = np.where(np.asarray(self.mu0) > 0, (strength - self.tau0) / np.asarray(self.mu0), np.inf)
             relative_limit = np.clip(limit_pressure / pressure, 0.0, 1.0)
-            limited_traction = frictional * _compute_limited_pressure_ratio(
+            limited_traction = frictional * _compute_capped_pressure_ratio(
                 relative_limit, mean_pressure / pressure
             ) + np.minimum(adhesive, strength)
             fraction = limited_traction / (frictional + adhesive)
@@ -292,7 +292,7 @@ def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, shear_ratio: Any) -> F
     with np.errstate(invalid="ignore"):
         x = np.fmax(2 * margin / (linear_coefficient + np.sqrt(linear_coefficient**2 + 8 * margin)), 0.0)
         x = np.minimum(x, np.sqrt(0.5))
-        for _ in range(NUM_PRESSURE_STEPS if x.any() else 0):
+        for _ in range(NUM_NEWTON_STEPS_FOR_YIELD_PRESSURE if x.any() else 0):
             cosine = np.sqrt(1 - x**2)
             residual = margin - 2 * x**2 - slope * (2 * np.arcsin(x) + 2 * x * cosine)
             x = np.minimum(np.fmax(x + residual / (4 * (x + slope * cosine)), 0.0), np.sqrt(0.5))
@@ -300,12 +300,12 @@ def _solve_slip_lines(hardness: Any, mu0: Any, tau0: Any, shear_ratio: Any) -> F
     return np.asarray(hardness * ((1 + np.pi / 2 + sector) / PLANE_STRAIN_HARDNESS_TO_SHEAR_STRENGTH))
 
 
-def _compute_limited_pressure_ratio(limit: Any, mean: Any) -> Floats:
+def _compute_capped_pressure_ratio(limit: Any, mean: Any) -> Floats:
     """Return the mean of min(p, limit), divided by the mean of p, for pressures p with a Weibull distribution.
 
     The fraction is interpolated in a table, with errors below 1e-4.
     """
-    table = _tabulate_limited_pressure_ratios()
+    table = _tabulate_capped_pressure_ratios()
     positions = (mean - MIN_TABULATED_MEAN_PRESSURE) / (1 - MIN_TABULATED_MEAN_PRESSURE), limit / (limit + mean)
     rows, columns = np.broadcast_arrays(
         *(position * (size - 1) for position, size in zip(positions, table.shape, strict=True))
@@ -315,7 +315,7 @@ def _compute_limited_pressure_ratio(limit: Any, mean: Any) -> Floats:
 
 
 @lru_cache(maxsize=1)
-def _tabulate_limited_pressure_ratios() -> Floats:
+def _tabulate_capped_pressure_ratios() -> Floats:
     """Tabulate mean(min(p, limit)) / mean(p) of Weibull-distributed p against mean(p) and limit/(limit + mean(p)).
 
     A pressure exceeds p < 1 with the probability exp(-rate p^shape). The shape, 1.5 - 0.65 mean(p), was fitted to rough
@@ -323,7 +323,7 @@ def _tabulate_limited_pressure_ratios() -> Floats:
     """
     from scipy.special import gamma, gammainc
 
-    mean_pressures = np.linspace(MIN_TABULATED_MEAN_PRESSURE, 1.0, NUM_TABULATED_VALUES)[:, np.newaxis]
+    mean_pressures = np.linspace(MIN_TABULATED_MEAN_PRESSURE, 1.0, NUM_TABLE_ENTRIES_PER_AXIS)[:, np.newaxis]
     # The tabulated mean pressures end slightly below 1, where `rate` would be 0 and its logarithm infinite.
     mean_pressures = np.minimum(mean_pressures, 0.9999)
     shape = 1.5 - 0.65 * mean_pressures
@@ -336,7 +336,7 @@ def _tabulate_limited_pressure_ratios() -> Floats:
             np.where(is_mean_larger, log_middle, log_low),
             np.where(is_mean_larger, log_high, log_middle),
         )
-    ratios = np.linspace(0.0, 1.0, NUM_TABULATED_VALUES)
+    ratios = np.linspace(0.0, 1.0, NUM_TABLE_ENTRIES_PER_AXIS)
     with np.errstate(divide="ignore"):
         limits = mean_pressures * ratios / (1 - ratios)
     return np.asarray(gammainc(1 / shape, rate * limits**shape) / gammainc(1 / shape, rate))

@@ -12,7 +12,7 @@ import numpy as np
 
 from stiction._checks import Floats
 
-MAX_CLOSURE_EXTRAPOLATION = 10.0
+MAX_FITTED_TO_MEASURED_CLOSURE_RATIO = 10.0
 
 
 @dataclass(frozen=True)
@@ -50,6 +50,6 @@ def fit_bandis_law(pressure: Floats, closure: Floats) -> BandisLaw:
 
     best_fit = least_squares(compute_deviations, np.log([pressure[0] / closure[0], 1.2 * closure[-1]]))
     stiffness, maximum_closure = np.exp(best_fit.x)
-    if maximum_closure > MAX_CLOSURE_EXTRAPOLATION * closure[-1]:
+    if maximum_closure > MAX_FITTED_TO_MEASURED_CLOSURE_RATIO * closure[-1]:
         return BandisLaw(math.nan, math.nan, math.nan)
     return BandisLaw(float(stiffness), float(maximum_closure), math.expm1(float(np.abs(best_fit.fun).max())))

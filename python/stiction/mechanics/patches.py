@@ -13,7 +13,7 @@ from stiction._caching import cached_property
 from stiction._checks import Floats
 from stiction.mechanics.model import SlidingRule
 
-MAX_LEVEL_PATCH_SLOPE = 1e-6
+MAX_SLOPE_RATIO_OF_LEVEL_PATCH = 1e-6
 """A patch counts as level up to this ratio of its mean slope to the rms slope in contact.
 
 Level patches do not oppose the motion. For a sphere on a flat, solver errors give a ratio of 1e-9 at a tolerance of
@@ -65,7 +65,9 @@ class PatchSums:
     def opposes_motion(self) -> NDArray[np.bool_]:
         """Boolean array (directions, patches), True if a patch pushes the upper surface against its motion."""
         patch_counts = np.diff(self.first_patch, append=self.force.size)
-        return np.asarray(self.leaning > np.repeat(MAX_LEVEL_PATCH_SLOPE * self.steepness, patch_counts) * self.force)
+        return np.asarray(
+            self.leaning > np.repeat(MAX_SLOPE_RATIO_OF_LEVEL_PATCH * self.steepness, patch_counts) * self.force
+        )
 
     def totals(self, sliding: SlidingRule) -> dict[str, Floats]:
         """Return the total area (µm²) and normal force (mN) of all patches, and the sums for each direction of motion.

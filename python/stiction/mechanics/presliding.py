@@ -12,7 +12,7 @@ from stiction._checks import Floats, float_array, make_read_only
 from stiction._repr import TextReprMixin
 from stiction._units import short_repr
 
-MIN_FIT_POINTS = 3
+MIN_POINTS_OF_FITTED_CURVE = 3
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -127,7 +127,7 @@ class LuGre(TextReprMixin):
 
 def fit_iwan(displacement: Floats, load: Floats, *, sliding_load: float, stiffness: float) -> FourParameterIwan:
     """Fit the Iwan model to an onset curve by minimizing the squared deviations of the tangential load."""
-    _check_curve(displacement, load, MIN_FIT_POINTS)
+    _check_curve(displacement, load, MIN_POINTS_OF_FITTED_CURVE)
     # The arguments are checked before the import of `scipy.optimize`, which takes 0.2 s.
     from scipy.optimize import least_squares
 

@@ -592,7 +592,7 @@ HALF_SPACE_SUM_QUANTITIES = (
 YIELDING_QUANTITIES = select_quantity_names(lambda quantity: "yielding" in quantity.stored)
 """Names of the quantities that a half-space result also stores if yielding below the surface increases the area."""
 
-ZERO_LOAD_SUM_QUANTITIES = select_quantity_names(
+QUANTITIES_SUMMED_AT_ZERO_LOAD = select_quantity_names(
     lambda quantity: "adhesion" in quantity.stored and quantity.along == _MOTION_DIMENSIONS
 )
 """Names of the sums that give the tangential load at the onset of sliding if there is no normal load."""
@@ -603,7 +603,7 @@ PULL_OFF_QUANTITIES = select_quantity_names(lambda quantity: "adhesion" in quant
 ADHESION_QUANTITIES = (
     *select_quantity_names(lambda quantity: "adhesion" in quantity.stored and "step" in quantity.along),
     *PULL_OFF_QUANTITIES,
-    *ZERO_LOAD_SUM_QUANTITIES,
+    *QUANTITIES_SUMMED_AT_ZERO_LOAD,
 )
 """Names of the additional quantities in results of adhesive bodies. Only the first depends on the load."""
 

@@ -54,11 +54,11 @@ NORMAL_LOAD_TOLERANCE = 1e-4
 """Accepted deviation of the normal load from its target, as a fraction of the initial load."""
 
 MAX_SOLUTIONS_PER_DISPLACEMENT = 40
-MAX_LOAD_STEP_RATIO = 4.0
+MAX_RATIO_OF_SUCCESSIVE_TRIAL_LOADS = 4.0
 # The faces of a joint count as locked if the elastic load exceeds this multiple of the required normal load.
-MAX_ELASTIC_LOAD_RATIO = 100.0
+MAX_ELASTIC_TO_REQUIRED_LOAD_RATIO = 100.0
 # The faces of a joint count as separated if the elastic load is below this fraction of the initial load.
-MIN_ELASTIC_LOAD_RATIO = 1e-4
+MIN_ELASTIC_TO_INITIAL_LOAD_RATIO = 1e-4
 
 MAX_ROUND_OFF_GAP_VARIATION = 1e-9
 """Largest variation of a gap that is attributed to round-off, as a fraction of the height of the face."""
@@ -536,9 +536,9 @@ def _search_elastic_load(
         lower_load_limit, upper_load_limit = (
             (trial_load, upper_load_limit) if load_excess < 0 else (lower_load_limit, trial_load)
         )
-        if load_excess < 0 and trial_load > MAX_ELASTIC_LOAD_RATIO * max(target, load):
+        if load_excess < 0 and trial_load > MAX_ELASTIC_TO_REQUIRED_LOAD_RATIO * max(target, load):
             return STATUS_SELF_LOCKED
-        if load_excess > 0 and trial_load < MIN_ELASTIC_LOAD_RATIO * load:
+        if load_excess > 0 and trial_load < MIN_ELASTIC_TO_INITIAL_LOAD_RATIO * load:
             return STATUS_NO_CONTACT
         if lower_load_limit > (1 - NORMAL_LOAD_TOLERANCE) * max_load:
             return STATUS_NOT_REACHED
@@ -550,7 +550,10 @@ def _search_elastic_load(
         )
         last_trial = trial_load, load_excess
         step = trial_load - load_excess / slope if slope > 0 else (0.0 if load_excess > 0 else math.inf)
-        step = min(max(step, trial_load / MAX_LOAD_STEP_RATIO), trial_load * MAX_LOAD_STEP_RATIO)
+        step = min(
+            max(step, trial_load / MAX_RATIO_OF_SUCCESSIVE_TRIAL_LOADS),
+            trial_load * MAX_RATIO_OF_SUCCESSIVE_TRIAL_LOADS,
+        )
         if not lower_load_limit < step < upper_load_limit:
             step = (trial_load + (upper_load_limit if load_excess < 0 else lower_load_limit)) / 2
         trial_load = step

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     import xarray
 
 RESULT_TITLE = "stiction study"
-MAX_PIECE_BYTES = 2**26  # bytes
+MAX_MEMBER_PIECE_BYTES = 2**26  # bytes
 
 MEMBER_COORDINATE_TYPES: dict[str, np.dtype[Any]] = {
     "x": np.dtype(np.float64), "y": np.dtype(np.float64), "line": np.dtype(np.int64), "surrogate": np.dtype(np.bool_),
@@ -120,8 +120,8 @@ def compute_bytes_per_member(study: Study) -> int:
 
 
 def compute_members_per_piece(size: int) -> int:
-    """Return how many members of `size` bytes fit into `MAX_PIECE_BYTES`, as a power of 2 that is at least 1."""
-    return 1 << max(0, (MAX_PIECE_BYTES // max(1, size)).bit_length() - 1)
+    """Return how many members of `size` bytes fit into `MAX_MEMBER_PIECE_BYTES`, as a power of 2 that is at least 1."""
+    return 1 << max(0, (MAX_MEMBER_PIECE_BYTES // max(1, size)).bit_length() - 1)
 
 
 def list_variable_names(study: Study) -> tuple[str, ...]:

@@ -39,9 +39,9 @@ from stiction.mechanics.quantities import (
     HALF_SPACE_SUM_QUANTITIES,
     ONSET_QUANTITIES,
     QUANTITIES,
+    QUANTITIES_SUMMED_AT_ZERO_LOAD,
     STIFFNESS_PER_AREA_FACTOR,
     SUM_QUANTITIES,
-    ZERO_LOAD_SUM_QUANTITIES,
 )
 from stiction.mechanics.solution_record import SolutionRecord
 from stiction.solve.contact_statistics import (
@@ -70,7 +70,7 @@ from stiction.surfaces.pairing import SIDES
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-STIFFNESS_DIFFERENCE_HALF_WIDTH = 0.02
+HALF_WIDTH_OF_STIFFNESS_FINITE_DIFFERENCE = 0.02
 """Half width of the central difference that gives the normal stiffness of asperities, as a fraction of the approach."""
 
 APPROACH_DISTANCE_ACROSS_LOAD_JUMP = 1e-11
@@ -208,7 +208,7 @@ def _solve_half_space(
         if solution_at_no_load is not None:
             values["pull_off"][...], values["pull_off_is_bound"][...] = solution_at_no_load.pull_off_bound
             directed_sums = solution_at_no_load.compute_directed_sums(directions, sliding_rules)
-            for name in ZERO_LOAD_SUM_QUANTITIES:
+            for name in QUANTITIES_SUMMED_AT_ZERO_LOAD:
                 values[name][...] = directed_sums[QUANTITIES[name].sum_under_load][..., 0]
 
 
@@ -240,10 +240,10 @@ def _solve_asperities(
         return
     # The load curve can jump only with the detection method `cell`, in which a contact can begin with a load above 0.
     approach_fractions = [
-        1 - STIFFNESS_DIFFERENCE_HALF_WIDTH,
+        1 - HALF_WIDTH_OF_STIFFNESS_FINITE_DIFFERENCE,
         1 - APPROACH_DISTANCE_ACROSS_LOAD_JUMP * (first_model.detection == "cell"),
         1,
-        1 + STIFFNESS_DIFFERENCE_HALF_WIDTH,
+        1 + HALF_WIDTH_OF_STIFFNESS_FINITE_DIFFERENCE,
     ]
     approaches, index = np.unique(np.outer(approach_fractions, approach[solved_loads]), return_inverse=True)
     lower_index, index_before_jump, load_index, upper_index = index.reshape(len(approach_fractions), solved_loads.size)
@@ -380,7 +380,7 @@ a busy host.
 
 MAX_POINTS_WITHIN_CACHE = 2**20
 
-TIME_FACTOR_OF_LARGE_MAPS_AT_ONCE = 1.8
+TIME_FACTOR_OF_LARGE_MAPS_IN_TWO_THREADS = 1.8
 """Factor by which solutions of maps above `MAX_POINTS_WITHIN_CACHE` points take longer if two threads compute them.
 
 Two solutions at once share the bandwidth of the memory. With 1536² points, each took nearly twice the time.
@@ -393,7 +393,7 @@ The keys are False for lines and True for maps.
 """
 
 ITERATIONS_PER_LOAD = 15
-MAX_POINTS_OF_TYPICAL_ITERATIONS, ITERATION_GROWTH_EXPONENT = 2**18, 0.2
+MAX_POINTS_WITHOUT_ITERATION_GROWTH, ITERATION_GROWTH_EXPONENT = 2**18, 0.2
 """Number of grid points above which maps need more iterations without adhesion, and exponent of this number.
 
 Pairs of self-affine maps (H = 0.8) with 384², 768², 1536² and 3072² points needed on average 15, 16, 21 and 29
@@ -401,8 +401,8 @@ iterations per load. The fit gives 15, 18, 23 and 31.
 """
 
 STIFFNESS_TIME_FACTOR = 1 + STIFFNESS_TO_SOLUTION_TIME_RATIO
-UNLOADING_TIME_SHARE = STIFFNESS_TO_SOLUTION_TIME_RATIO / STIFFNESS_TIME_FACTOR
-ELASTIC_TIME_SHARE = 1.2 / STIFFNESS_TIME_FACTOR
+UNLOADING_STIFFNESS_TIME_FRACTION = STIFFNESS_TO_SOLUTION_TIME_RATIO / STIFFNESS_TIME_FACTOR
+ELASTIC_AREA_TIME_FRACTION = 1.2 / STIFFNESS_TIME_FACTOR
 """Times of the unloading stiffness and of the elastic area, as fractions of the time of solution and stiffness.
 
 With 512² to 1536² points, the elastic area took 1.0 to 1.3 times the time of the solution with a hardness, because its
@@ -411,7 +411,7 @@ contact has smaller patches.
 
 # Maximum number of adhesion iterations for profiles (False) and maps (True), including steps of minimizations.
 MAX_ADHESION_ITERATIONS = {False: 10_700, True: 3100}
-ADHESION_ITERATIONS_AT_UNIT_RATIO = {False: 100_000, True: 5000}
+ADHESION_ITERATIONS_AT_UNIT_ELASTICITY_RATIO = {False: 100_000, True: 5000}
 """Number of iterations for the adhesion of a gap with E* Sq Sdq / (4 w) = 1, for lines (False) and maps (True).
 
 The factors were fitted to 62 pairs with 64 to 256² points. The number is inversely proportional to this ratio, up to a
@@ -506,7 +506,7 @@ def estimate_thread_time_factor(study: Study) -> float:
     """
     is_map_without_adhesion = study.uses_half_space and study.is_areal and not study.contact.adheres
     is_large_map = is_map_without_adhesion and count_grid_points(study) > MAX_POINTS_WITHIN_CACHE
-    return TIME_FACTOR_OF_LARGE_MAPS_AT_ONCE if is_large_map else 1.0
+    return TIME_FACTOR_OF_LARGE_MAPS_IN_TWO_THREADS if is_large_map else 1.0
 
 
 def estimate_member_iterations(study: Study, member: int | None = None) -> float:
@@ -528,7 +528,7 @@ def _estimate_iteration_growth(study: Study) -> float:
     """Estimate the ratio of the solver iterations of a contact without adhesion to `ITERATIONS_PER_LOAD`."""
     if not study.is_areal:
         return 1.0
-    return math.pow(max(1.0, count_grid_points(study) / MAX_POINTS_OF_TYPICAL_ITERATIONS), ITERATION_GROWTH_EXPONENT)
+    return math.pow(max(1.0, count_grid_points(study) / MAX_POINTS_WITHOUT_ITERATION_GROWTH), ITERATION_GROWTH_EXPONENT)
 
 
 def _estimate_additional_work(study: Study, member: int | None) -> float:
@@ -540,9 +540,9 @@ def _estimate_additional_work(study: Study, member: int | None) -> float:
         return 0.0
     num_cells = math.prod(values.size for values in study.surfaces.cell_coordinates().values())
     has_elastic_area = "elastic_area" in list_variable_names(study) and member in find_elastic_members(study)
-    work = ELASTIC_TIME_SHARE * num_cells if has_elastic_area else 0.0
+    work = ELASTIC_AREA_TIME_FRACTION * num_cells if has_elastic_area else 0.0
     if study.is_areal and member - study.surfaces.first_scan_member_index < NUM_UNLOADING_MEMBERS:
-        work += UNLOADING_TIME_SHARE * min(num_cells, NUM_UNLOADING_CUTOFFS)
+        work += UNLOADING_STIFFNESS_TIME_FRACTION * min(num_cells, NUM_UNLOADING_CUTOFFS)
     return work
 
 
@@ -559,7 +559,7 @@ def _find_members_with_additional_work(study: Study) -> range:
 
 def _estimate_adhesion_iterations(study: Study) -> float:
     """Estimate how many iterations adhesion adds by slower convergence and by the search for the pull-off force."""
-    factor = ADHESION_ITERATIONS_AT_UNIT_RATIO[study.is_areal]
+    factor = ADHESION_ITERATIONS_AT_UNIT_ELASTICITY_RATIO[study.is_areal]
     min_ratio = factor / MAX_ADHESION_ITERATIONS[study.is_areal]
     return factor / max(_estimate_elasticity_to_adhesion_ratio(study), min_ratio)
 

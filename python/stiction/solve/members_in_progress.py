@@ -35,7 +35,7 @@ from stiction.study.study import Study
 
 IN_PROGRESS_DIRECTORY = "in_progress"
 STORAGE_INTERVAL = 15.0  # s
-MAX_STEP_BYTES = 2**32
+MAX_STEP_FILE_BYTES = 2**32
 _STATE_FILE = "state.npz"
 _STEP_FILE_PATTERN = re.compile(r"([0-9]{5,}|state)\.npz")
 _MEMBER_DIRECTORY_PATTERN = re.compile(r"([0-9]{7,18})-[0-9a-f]{16}")
@@ -293,7 +293,7 @@ def _read_result(path: Path) -> StepResult | None:
     Returns None if the file is missing or damaged.
     """
     try:
-        with np.load(io.BytesIO(_files.read_file_bytes(path, MAX_STEP_BYTES)), allow_pickle=False) as file:
+        with np.load(io.BytesIO(_files.read_file_bytes(path, MAX_STEP_FILE_BYTES)), allow_pickle=False) as file:
             return dict(file.items())
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error, _files.UnreadableFileError):
         return None

@@ -799,7 +799,7 @@ def write_block(path: Path, first_member: int, content: bytes, num_members: int)
 
 # ---- The file of a block ---------------------------------------------------------------------------------------------
 
-NON_BODY_ATTRIBUTES = ("title", "study", "stiction_version", "_NCProperties")
+STORED_ATTRIBUTES_NOT_OF_BODIES = ("title", "study", "stiction_version", "_NCProperties")
 
 CHECKSUM_PREFIX = b"stiction crc32 "
 """Bytes before the checksum at the end of an exported file.
@@ -986,7 +986,9 @@ def decode_members(content: bytes) -> BlockFileContent:
                     may_be_nan=True,
                 )  # fmt: skip
                 arrays[name] = coordinate.astype(dtype)
-            stored_attributes = {name: file.attrs[name] for name in file.attrs if name not in NON_BODY_ATTRIBUTES}
+            stored_attributes = {
+                name: file.attrs[name] for name in file.attrs if name not in STORED_ATTRIBUTES_NOT_OF_BODIES
+            }
             check_attributes(stored_attributes, BODY_ATTRIBUTE_SPECS)
             attributes = {
                 name: value if isinstance(value, str) else np.atleast_1d(value)

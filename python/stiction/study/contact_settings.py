@@ -101,7 +101,7 @@ class JacksonGreenSettings(SettingsSection):
 
 
 LawTableSettings = HertzCylinderSettings | JacksonGreenSettings
-LAW_SETTINGS_CLASSES: dict[str, type[LawTableSettings]] = {
+SETTINGS_CLASSES_BY_CONTACT_LAW: dict[str, type[LawTableSettings]] = {
     "hertz-cylinder": HertzCylinderSettings,
     "jackson-green": JacksonGreenSettings,
 }
@@ -115,12 +115,12 @@ def _parse_law(value: object) -> LawName | LawTableSettings:
             return name  # type: ignore[return-value]
     if isinstance(value, LawTableSettings):
         return value
-    settings_class = LAW_SETTINGS_CLASSES.get(str(value.get("name"))) if isinstance(value, Mapping) else None
+    settings_class = SETTINGS_CLASSES_BY_CONTACT_LAW.get(str(value.get("name"))) if isinstance(value, Mapping) else None
     if settings_class is None:
         names = " or ".join(f'"{name}"' for name in CONTACT_LAWS_BY_NAME)
         section_names = " or ".join(
             f'"{name}" ({", ".join(list(settings_class.model_fields)[1:])})'
-            for name, settings_class in LAW_SETTINGS_CLASSES.items()
+            for name, settings_class in SETTINGS_CLASSES_BY_CONTACT_LAW.items()
         )
         raise ValueError(f"must be {names}, or a section with the name {section_names}, got {short_repr(value)}")
     return settings_class.model_validate(value)

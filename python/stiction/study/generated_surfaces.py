@@ -59,7 +59,7 @@ AmplitudeDefinition = Annotated[
 
 
 # Maximum product of the numbers of directions and frequencies of generated surfaces, which limits the run time.
-MAX_HARMONICS = 1_000_000
+MAX_DIRECTIONS_TIMES_FREQUENCIES = 1_000_000
 
 
 class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
@@ -90,10 +90,10 @@ class CommonGeneratedSurfaceSettings(SettingsSectionVariant):
     @model_validator(mode="after")
     def _require_harmonics_below_limit(self) -> Self:
         num_harmonics = getattr(self, "directions", 0) * getattr(self, "frequencies", 0)
-        if num_harmonics > MAX_HARMONICS:
+        if num_harmonics > MAX_DIRECTIONS_TIMES_FREQUENCIES:
             raise make_key_error(
                 "directions",
-                f"number of directions times number of frequencies must be at most {MAX_HARMONICS}, "
+                f"number of directions times number of frequencies must be at most {MAX_DIRECTIONS_TIMES_FREQUENCIES}, "
                 f"got {num_harmonics}",
             )
         return self

@@ -24,14 +24,14 @@ from stiction.surfaces.pairing import SIDES
 
 SAME_VALUE_TOLERANCE = 1e-3
 
-_LABELS = {
+_LABELS_BY_INPUT_NAME = {
     "mu0": "μ0", "tau0": "τ0", "effective_modulus": "E*", "hardness": "the hardness",
     "junction_growth": "the junction growth α", "yield_exponent": "the yield exponent m",
     "area_loss": "the area loss under shear", "size_effect": "the indentation size effect",
     "creep": "the creep exponent", "young": "Young's modulus", "poisson": "Poisson's ratio",
 }  # fmt: skip
 
-SIZE_EFFECT = UncertainInput(
+SIZE_EFFECT_LENGTH_INPUT = UncertainInput(
     CENTRAL_SIZE_EFFECT_LENGTH, MIN_SIZE_EFFECT_LENGTH, MAX_SIZE_EFFECT_LENGTH, "log-normal",
     f"{MIN_SIZE_EFFECT_LENGTH:g}..{MAX_SIZE_EFFECT_LENGTH:g} um",
 )  # fmt: skip
@@ -191,18 +191,22 @@ def _build_inputs(
     for name, value in values:
         if name == "effective_modulus" and bodies:
             continue
-        label = _build_hardness_label(value.estimate, materials) if name == "hardness" else _LABELS[name]
+        label = _build_hardness_label(value.estimate, materials) if name == "hardness" else _LABELS_BY_INPUT_NAME[name]
         label = _SLIP_LINE_LABEL if value.estimate.uses_slip_lines else label
         entries[name] = _build_input(name, label, value)
     if has_size_effect:
         entries["size_effect"] = StudyInput(
-            _LABELS["size_effect"], "µm", SIZE_EFFECT.value, SIZE_EFFECT, SIZE_EFFECT.text
+            _LABELS_BY_INPUT_NAME["size_effect"],
+            "µm",
+            SIZE_EFFECT_LENGTH_INPUT.value,
+            SIZE_EFFECT_LENGTH_INPUT,
+            SIZE_EFFECT_LENGTH_INPUT.text,
         )
     is_one_material = bool(materials) and materials[0] == materials[1]
     for index, side in enumerate(SIDES[: 1 if is_one_material else 2] if bodies else ()):
         for name, value in zip(MODULUS_NAMES, bodies[index], strict=True):
             body = materials[index].name if materials else f"{side} body"
-            entries[f"{name}_{side}"] = _build_input(name, f"{_LABELS[name]} of the {body}", value)
+            entries[f"{name}_{side}"] = _build_input(name, f"{_LABELS_BY_INPUT_NAME[name]} of the {body}", value)
     modulus_value = dict(values)["effective_modulus"]
     modulus = UncertainModulus(
         float(modulus_value),
@@ -215,7 +219,7 @@ def _build_inputs(
 
 def _build_hardness_label(hardness: UncertainInput, materials: tuple[Material, ...]) -> str:
     """Return the label of the hardness, with a material's name if the hardness certainly belongs to this material."""
-    label, softer_material = _LABELS["hardness"], softest_material(*materials)
+    label, softer_material = _LABELS_BY_INPUT_NAME["hardness"], softest_material(*materials)
     if softer_material is None:
         return label
     material_of_hardness = find_material_of_hardness(hardness, materials)

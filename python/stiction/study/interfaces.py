@@ -67,7 +67,7 @@ MIN_AREA_VARIATION = 0.1
 
 INTERVAL_COVERAGE = 0.95
 
-DENSITY_WINDOW_AT_BOUND, MAX_DENSITY_WINDOW = 0.05, 0.2
+DENSITY_WINDOW_WIDTH_AT_ZERO, DENSITY_WINDOW_WIDTH_AT_MAXIMUM = 0.05, 0.2
 """Widths of the windows in which the density of random samples is averaged: at 0, and at the maximum of the density.
 
 The widths are fractions of the 97.5 % quantile. The density varies little near its maximum, so this window can be
@@ -520,8 +520,8 @@ def compute_coverage_at_bound(values: Floats) -> float:
         window_ends = np.searchsorted(sorted_values, starts + width * scale, side="right")
         return np.asarray((window_ends - np.searchsorted(sorted_values, starts)) / width)
 
-    density_at_bound = float(density(np.zeros(1), DENSITY_WINDOW_AT_BOUND)[0])
-    max_density = max(float(density(sorted_values, MAX_DENSITY_WINDOW).max()), density_at_bound)
+    density_at_bound = float(density(np.zeros(1), DENSITY_WINDOW_WIDTH_AT_ZERO)[0])
+    max_density = max(float(density(sorted_values, DENSITY_WINDOW_WIDTH_AT_MAXIMUM).max()), density_at_bound)
     if density_at_bound == 0:
         return 0.0
     squared_score = max(Z_95**2 + 2 * math.log(density_at_bound / max_density), 0.0)

@@ -22,7 +22,7 @@ from stiction.study.interfaces import InterfaceStrength, StrengthFit, shared_inp
 MAX_RELATIVE_CENTRAL_VALUE_DIFFERENCE = 1e-3
 """Relative difference up to which two central values are equal; the limits of the tested ranges have four digits."""
 
-MIN_CONDITIONED_SAMPLES = 500.0
+MIN_SAMPLES_LEFT_BY_PAIR_RANGE = 500.0
 """Smallest effective number of samples that a range of the pair may leave of the samples of an interface.
 
 With fewer samples, the limits of intervals would be random by more than about a twentieth of the width. A range that is
@@ -30,15 +30,15 @@ much narrower than that of the tests is therefore widened, to about a tenth of t
 is the only narrower range.
 """
 
-MAX_CONDITIONED_FRACTION = 0.4
+MAX_REQUIRED_FRACTION_OF_SAMPLES = 0.4
 """Largest fraction of all samples that must be left, for interfaces with few samples."""
 
-WEIGHT_EXPONENT_STEP = 0.9
+WEIGHT_EXPONENT_REDUCTION_FACTOR = 0.9
 RELATIVE_WIDTH_OF_EXACT_NUMBER = 1e-6
 # Standard deviation (in half widths) of the normal density that continues a uniform density outside its range.
-RELATIVE_DENSITY_EDGE_WIDTH = 0.01
+DENSITY_EDGE_WIDTH_IN_HALF_WIDTHS = 0.01
 
-INPUTS_COMPARED_ELSEWHERE = ("mu0", "tau0", "junction_growth", "creep")
+INPUTS_WITHOUT_RANGE_COMPARISON = ("mu0", "tau0", "junction_growth", "creep")
 """Inputs whose ranges are not compared here: the interface defines them, or has its own rule for them."""
 
 _TESTED_RANGE_PATTERN = re.compile(r"(normal|log-normal|uniform) (\S+?)\.\.(\S+)")
@@ -103,7 +103,7 @@ def find_shared_inputs(
         score_name = shared_input_name(name, stated, pair_checksum)
         if score_name in scores:
             shared_inputs[name] = SharedInput(score_name, stated, stated)
-        elif name not in INPUTS_COMPARED_ELSEWHERE:
+        elif name not in INPUTS_WITHOUT_RANGE_COMPARISON:
             candidates = _find_tested_ranges(scores, name, stated, pair_checksum)
             ranges_of_quantity = [each for each in candidates if each.is_one_quantity]
             if ranges_of_quantity:
@@ -164,7 +164,7 @@ def _compute_log_density(estimate: UncertainInput, values: Floats) -> Floats:
     half_width = max(0.5 * (estimate.high - estimate.low), RELATIVE_WIDTH_OF_EXACT_NUMBER * estimate.value)
     if estimate.distribution == "uniform":
         distance = np.maximum(np.abs(values - estimate.value) - half_width, 0.0)
-        return np.asarray(-0.5 * (distance / (RELATIVE_DENSITY_EDGE_WIDTH * half_width)) ** 2)
+        return np.asarray(-0.5 * (distance / (DENSITY_EDGE_WIDTH_IN_HALF_WIDTHS * half_width)) ** 2)
     if estimate.distribution == "log-normal":
         scores = 2 * Z_95 * np.log(values / estimate.value) / math.log(estimate.high / estimate.low)
         return np.asarray(-0.5 * scores**2 - np.log(values))
@@ -178,9 +178,9 @@ def _combine_weights(log_weights: Sequence[Floats]) -> Floats:
     the input that leaves the fewest samples is reduced, so that a much narrower range does not widen other ranges.
     """
     powers, total = [1.0] * len(log_weights), sum(log_weights, np.zeros(log_weights[0].size))
-    min_samples = min(MIN_CONDITIONED_SAMPLES, MAX_CONDITIONED_FRACTION * total.size)
+    min_samples = min(MIN_SAMPLES_LEFT_BY_PAIR_RANGE, MAX_REQUIRED_FRACTION_OF_SAMPLES * total.size)
     while compute_effective_sample_size(total) < min_samples:
         sizes = [compute_effective_sample_size(power * each) for power, each in zip(powers, log_weights, strict=True)]
-        powers[int(np.argmin(sizes))] *= WEIGHT_EXPONENT_STEP
+        powers[int(np.argmin(sizes))] *= WEIGHT_EXPONENT_REDUCTION_FACTOR
         total = sum((power * each for power, each in zip(powers, log_weights, strict=True)), np.zeros(total.size))
     return total

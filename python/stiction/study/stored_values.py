@@ -25,7 +25,7 @@ STORED_VALUE_BOUNDS = (-MAX_STORED_VALUE, MAX_STORED_VALUE)
 POSITIVE_STORED_VALUE_BOUNDS = (MIN_POSITIVE_STORED_VALUE, MAX_STORED_VALUE)
 """Bounds of stored numbers that must be above 0, such as areas and grid spacings."""
 
-_CHUNK_SIZE = 2**14
+_NUM_VALUES_PER_CHUNK = 2**14
 
 _DTYPE_KINDS: dict[type, tuple[str, str]] = {
     float: ("fiu", "numbers"), int: ("iu", "integers"), bool: ("biu", "integers"), str: ("OUS", "text"),
@@ -106,9 +106,12 @@ def _find_extremes(values: NDArray[Any]) -> tuple[float, float]:
     Each chunk of the values is read once from memory, because it fits into the cache.
     """
     flat_values = values.reshape(-1)
-    chunk_starts = range(0, flat_values.size, _CHUNK_SIZE)
+    chunk_starts = range(0, flat_values.size, _NUM_VALUES_PER_CHUNK)
     chunk_extremes = [
-        (flat_values[start : start + _CHUNK_SIZE].min(), flat_values[start : start + _CHUNK_SIZE].max())
+        (
+            flat_values[start : start + _NUM_VALUES_PER_CHUNK].min(),
+            flat_values[start : start + _NUM_VALUES_PER_CHUNK].max(),
+        )
         for start in chunk_starts
     ]
     smallest, largest = np.array(chunk_extremes, np.float64).T

@@ -180,10 +180,12 @@ class MeasuredSurfaceFrictionSettings(SettingsSectionVariant):
     @model_serializer(mode="wrap")
     def _omit_derived_values(self, serialize: SerializerFunctionWrapHandler) -> dict[str, Any]:
         data: dict[str, Any] = serialize(self)
-        return {key: value for key, value in data.items() if self.interface is None or key not in STRENGTH_KEYS}
+        return {
+            key: value for key, value in data.items() if self.interface is None or key not in INTERFACE_STRENGTH_KEYS
+        }
 
 
-STRENGTH_KEYS = ("mu0", "tau0")
+INTERFACE_STRENGTH_KEYS = ("mu0", "tau0")
 """Keys of the section `[friction]` whose values follow from the interface, if the section names an interface."""
 
 
@@ -191,7 +193,7 @@ def _add_interface_strength(section: Mapping[str, Any]) -> Mapping[str, Any]:
     """Complete a section `[friction]` with the mu0 and tau0 of the interface that the section names."""
     if (source := section.get("interface")) is None:
         return section
-    for key in STRENGTH_KEYS:
+    for key in INTERFACE_STRENGTH_KEYS:
         if key in section:
             raise make_key_error(key, "must not be given together with interface, which determines mu0 and tau0")
     try:
@@ -632,11 +634,13 @@ class Study(SettingsSection):
             for key in DERIVED_ELASTICITY_KEYS:
                 contact.pop(key, None)
         if changes.get("friction.interface") is not None:
-            for key in STRENGTH_KEYS:
+            for key in INTERFACE_STRENGTH_KEYS:
                 friction.pop(key, None)
-        elif self.friction.interface is not None and any(f"friction.{key}" in changes for key in STRENGTH_KEYS):
+        elif self.friction.interface is not None and any(
+            f"friction.{key}" in changes for key in INTERFACE_STRENGTH_KEYS
+        ):
             del friction["interface"]
-            friction |= {key: getattr(self.friction, key) for key in STRENGTH_KEYS}
+            friction |= {key: getattr(self.friction, key) for key in INTERFACE_STRENGTH_KEYS}
 
     def _remove_dependent_loads(
         self, sections: dict[str, dict[str, Any]], changes: Mapping[str, Any], *, is_allowed: bool

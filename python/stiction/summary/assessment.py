@@ -62,7 +62,7 @@ MAX_LOAD_FRACTION_ON_CONTACT_WITHOUT_CAVEAT = 0.4
 
 MIN_MERGED_AREA_FRACTION = 0.3
 MAX_AFFECTED_FRACTION = 0.5
-MAX_INTERPOLATED_FRACTION = 0.02
+MAX_INTERPOLATED_POINT_FRACTION = 0.02
 MAX_SCATTERED_MISSING_FRACTION = 0.02
 """Largest fraction of scattered missing points for which there is no caveat about holes in contacts."""
 MAX_AREA_LOSS_PER_HOLE = 1.3
@@ -72,14 +72,14 @@ Elastic contacts that are much larger than the holes lose the fraction of points
 of both maps are missing at random, the loss is 1.3 times the fraction of points that are missing between measured
 points. With 10 and 30 % missing, pairs with 10 to 200 points in contact lost 0.6 to 1.1 times that fraction on average.
 """
-MIN_DRIFT_EFFECT = 0.02
+MAX_DRIFT_ERROR_WITHOUT_CAVEAT = 0.02
 """Relative standard error of the coefficient due to roughness drift above which the result has a caveat."""
-MAX_SPACING_RATIO = 3.0
+MAX_SPACING_RATIO_OF_TWO_BODIES = 3.0
 
 # If τ0 divided by H/√α exceeds this ratio, the interface counts as nearly as strong as the bulk.
-NEARLY_BULK_STRENGTH_RATIO = 0.7
-MAX_UNLIMITED_SAMPLE_FRACTION = 0.025
-MIN_UNLIMITED_SAMPLE_FRACTION = 0.01
+MIN_STRENGTH_RATIO_NEAR_BULK = 0.7
+MAX_FRACTION_OF_SAMPLES_WITHOUT_FRICTION_LIMIT = 0.025
+MIN_FRACTION_OF_SAMPLES_WITHOUT_FRICTION_LIMIT = 0.01
 """Fraction of input samples without an upper limit of friction above which the result has a caveat.
 
 The upper limit of an interval is the 97.5 % quantile. If a smaller fraction of samples were left out, this limit would
@@ -111,7 +111,7 @@ docs/explanation/adhesion.md describes the fit.
 MAX_DEVIATION_FROM_MU0 = 0.02
 # Numbers are multiplied by this factor before rounding: 2.25 then becomes 2.3, as in the report.
 ROUND_UP_FACTOR = 1 + 1e-12
-MAX_RELATIVE_HALF_WIDTH = 0.5
+MAX_RELATIVE_INTERVAL_HALF_WIDTH = 0.5
 
 
 @dataclass(frozen=True)
@@ -288,8 +288,9 @@ def _build_value_checks(study: Study) -> Sequence[LimitCheck]:
             f"an interval requires at least {min_members} different {members}",
         ),
         LimitCheck(
-            WIDE_INTERVAL_CHECK_NAME, MAX_RELATIVE_HALF_WIDTH,
-            f"the interval of the mean is wider than ±{100 * MAX_RELATIVE_HALF_WIDTH:.0f} %", f"use more {members}",
+            WIDE_INTERVAL_CHECK_NAME, MAX_RELATIVE_INTERVAL_HALF_WIDTH,
+            f"the interval of the mean is wider than ±{100 * MAX_RELATIVE_INTERVAL_HALF_WIDTH:.0f} %",
+            f"use more {members}",
         ),
     )  # fmt: skip
 
@@ -777,20 +778,26 @@ def _find_caveats_about_unlimited_friction(
     law = replace(law, junction_growth=growth.high, uses_slip_lines=growth.uses_slip_lines)
     strength_ratio = float(law.bulk_strength_ratio(get_contact_hardness(point, study)))
     unlimited_fraction = mean_over_directions(point, "fraction_unlimited")
-    if unlimited_fraction > MIN_UNLIMITED_SAMPLE_FRACTION:
+    if unlimited_fraction > MIN_FRACTION_OF_SAMPLES_WITHOUT_FRICTION_LIMIT:
         text = (
             f"for {format_percent(unlimited_fraction)} of the samples of the inputs, the interface is stronger than "
             f"the softer body{'' if growth.uses_slip_lines else ' or its junctions grow over the whole area'}"
-            + ("; the interval has no upper limit" if unlimited_fraction > MAX_UNLIMITED_SAMPLE_FRACTION else "")
+            + (
+                "; the interval has no upper limit"
+                if unlimited_fraction > MAX_FRACTION_OF_SAMPLES_WITHOUT_FRICTION_LIMIT
+                else ""
+            )
         )
-        severity: Severity = "fault" if unlimited_fraction > MAX_UNLIMITED_SAMPLE_FRACTION else "caution"
+        severity: Severity = (
+            "fault" if unlimited_fraction > MAX_FRACTION_OF_SAMPLES_WITHOUT_FRICTION_LIMIT else "caution"
+        )
         # Under a smaller load, contacts would yield at the same pressure, but not cover the whole nominal area.
         is_load_limited = not growth.uses_slip_lines and strength_ratio < 1
         remedy = "measure the hardness, and determine μ0 and τ0 with stiction calibrate"
         if growth.uses_slip_lines:
             remedy += _growth_remedy_for_unnamed_materials(study)
         yield Caveat(text, remedy + (", or reduce the load" if is_load_limited else ""), severity)
-    elif not growth.uses_slip_lines and strength_ratio > NEARLY_BULK_STRENGTH_RATIO:
+    elif not growth.uses_slip_lines and strength_ratio > MIN_STRENGTH_RATIO_NEAR_BULK:
         text = (
             f"the interface is nearly as strong as the bulk: τ0 is {strength_ratio:.2f} of H/√α at α = {growth.high:g}"
         )
@@ -873,7 +880,7 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
         return
     spacings = [float(np.max(point.attrs[f"{side}_spacing_um"])) for side in body_sides]
     coarser_body, finer_body = (body_sides[spacings.index(select(spacings))] for select in (max, min))
-    if max(spacings) > MAX_SPACING_RATIO * min(spacings):
+    if max(spacings) > MAX_SPACING_RATIO_OF_TWO_BODIES * min(spacings):
         ratio_text = format_significant(max(spacings) / min(spacings), 2)
         text = (
             f"the {coarser_body} scan is {ratio_text} times coarser than the {finer_body}, "
@@ -885,7 +892,7 @@ def _find_grid_caveats(point: xarray.Dataset, study: Study) -> Iterator[Caveat]:
     # A given gap is a single map or profile, whose points are checked instead of the points of two bodies.
     for side, name in [("upper", "gap")] if study.is_gap else zip(body_sides, body_sides, strict=True):
         interpolated_fraction, largest_gap = np.asarray(point.attrs.get(f"{side}_filled", (0.0, 0.0))).tolist()
-        if interpolated_fraction > MAX_INTERPOLATED_FRACTION or largest_gap > mean_contact_area:
+        if interpolated_fraction > MAX_INTERPOLATED_POINT_FRACTION or largest_gap > mean_contact_area:
             text = f"{name}: {format_percent(interpolated_fraction)} of the points are interpolated"
             if largest_gap > mean_contact_area:
                 text += (
@@ -925,7 +932,7 @@ def _find_drift_caveats(point: xarray.Dataset, study: Study, value: SlidingRuleC
     sensitivity = elastic_fraction * (value.value - read_number(point, "mu0")) / value.value if value.value > 0 else 0.0
     for side in ("upper", "lower"):
         drift, fraction = np.asarray(point.attrs.get(f"{side}_drift", (0.0, 0.0))).tolist()
-        if drift * fraction * sensitivity > MIN_DRIFT_EFFECT:
+        if drift * fraction * sensitivity > MAX_DRIFT_ERROR_WITHOUT_CAVEAT:
             factor = format_significant(math.exp(drift), 2)
             text = (
                 f"{side}: the rms slope changes by a factor of {factor} from one end of the scan to the other, so "
@@ -946,7 +953,7 @@ def _find_orientation_caveats(point: xarray.Dataset, study: Study) -> Iterator[C
         yield Caveat(text, "try --rotate 180", "caution")
 
 
-OPPOSING_LOAD_FRACTION = 0.5
+LOAD_FRACTION_OF_OPPOSING_CONTACTS = 0.5
 """Fraction of the load on contacts that oppose the motion, for surfaces with small slopes."""
 
 
@@ -975,7 +982,7 @@ def find_lay_caveats(
     if roughness_contribution is not None:
         (value,) = (rule.value for rule in rules if rule.rule == "all")
         lowest_by_rule = {"all": value - roughness_contribution}
-        lowest_by_rule["opposing"] = OPPOSING_LOAD_FRACTION * lowest_by_rule["all"]
+        lowest_by_rule["opposing"] = LOAD_FRACTION_OF_OPPOSING_CONTACTS * lowest_by_rule["all"]
         change_texts = []
         for rule, name in zip(rules, ("the coefficient", "the second coefficient"), strict=False):
             lowest = lowest_by_rule[rule.rule]

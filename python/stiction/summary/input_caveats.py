@@ -70,7 +70,7 @@ CUTOFF_REMEDY = (
     " if they come from the instrument; use --texture turned, milled, ground, ... or --cutoff none if they belong to "
     f"the surface; {REPEATED_SCANS_REMEDY}"
 )
-MAX_RATIO_OF_TWO_SPECTRA = 2.0
+MAX_DENSITY_RATIO_OF_JOINED_SPECTRA = 2.0
 MAX_PRESSURE_OVER_MODULUS = 0.1
 """Largest plausible ratio of nominal pressure to E*. A higher load is probably the load on the whole component."""
 
@@ -371,7 +371,9 @@ def have_different_spectra(joined: JoinedSpectrum) -> bool:
     """Return whether the spectral density of any scan differs significantly from the others, by over a factor of 2."""
     with np.errstate(invalid="ignore"):
         return bool(
-            (np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_RATIO_OF_TWO_SPECTRA)).any()
+            (
+                np.abs(np.log(joined.disagreement)) - 2 * joined.chance > math.log(MAX_DENSITY_RATIO_OF_JOINED_SPECTRA)
+            ).any()
         )
 
 

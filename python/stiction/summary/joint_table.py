@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from stiction.study.study import Study
 
-MAX_LOAD_RATIO = 10 ** (1 / 16)
+MAX_RATIO_OF_SUCCESSIVE_LOADS = 10 ** (1 / 16)
 """Largest ratio of successive loads in a joint table.
 
 Other programs interpolate linearly between the rows. At this ratio, the interpolated closure of two profiles deviates
@@ -173,14 +173,13 @@ class JointTable:
 def choose_joint_loads(study: Study, nominal_area: float | None) -> Floats:
     """Return the loads (mN) of a measured pair's joint table: the study's loads, and further loads between them.
 
-    The ratio of neighbouring loads is at most about `MAX_LOAD_RATIO`. The further loads belong to nominal pressures of
-    four significant digits. Raises a `ValueError` if the bodies were
-    generated.
+    The ratio of neighbouring loads is at most about `MAX_RATIO_OF_SUCCESSIVE_LOADS`. The further loads belong to
+    nominal pressures of four significant digits. Raises a `ValueError` if the bodies were generated.
     """
     area, steps = _check_pair_is_measured(study, nominal_area), study.contact.loading_steps()
-    interval_counts = np.maximum(np.ceil(np.log(steps[1:] / steps[:-1]) / math.log(MAX_LOAD_RATIO) - 0.02), 1).astype(
-        int
-    )
+    interval_counts = np.maximum(
+        np.ceil(np.log(steps[1:] / steps[:-1]) / math.log(MAX_RATIO_OF_SUCCESSIVE_LOADS) - 0.02), 1
+    ).astype(int)
     loads_between_steps = [
         float(f"{load / area:.4g}") * area
         for load_below, load_above, count in zip(steps[:-1], steps[1:], interval_counts, strict=True)

@@ -19,7 +19,7 @@ from stiction.evaluate.load_range import choose_loads_in_range
 from stiction.evaluate.point import sort_sliding_rules
 from stiction.mechanics.friction import CENTRAL_SHEAR_RATIO
 from stiction.study.inputs import SAME_VALUE_TOLERANCE, Inputs
-from stiction.summary.assessment import NEARLY_BULK_STRENGTH_RATIO
+from stiction.summary.assessment import MIN_STRENGTH_RATIO_NEAR_BULK
 from stiction.summary.evaluation import Evaluation
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ Reports on generated surfaces have more loads, and therefore fewer mu0 and tau0.
 MAX_TAU0_STEPS = {True: 6, False: 5}
 MAX_SHOWN_MU0_OR_TAU0 = 9
 MAX_TAU0_OVER_MODULUS = 0.02
-MAX_TAU0_OVER_HARDNESS = NEARLY_BULK_STRENGTH_RATIO / CENTRAL_SHEAR_RATIO
+MAX_TAU0_OVER_HARDNESS = MIN_STRENGTH_RATIO_NEAR_BULK / CENTRAL_SHEAR_RATIO
 """Largest tau0 in a report, as a fraction of the hardness, unless the study has a larger tau0."""
 
 NUM_REPORT_LOADS = 40

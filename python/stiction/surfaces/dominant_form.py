@@ -10,14 +10,14 @@ from stiction._checks import Floats
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface
 
-MAX_BLOCKS = 64
+MAX_BLOCKS_PER_MAP_SIDE = 64
 """Maximum number of blocks of points along each axis of a map. A form is found from the mean heights of blocks.
 
-A profile is divided into at most ``MAX_BLOCKS ** 2`` blocks.
+A profile is divided into at most ``MAX_BLOCKS_PER_MAP_SIDE ** 2`` blocks.
 """
 
-MIN_BLOCKS = 16
-MIN_PARABOLA_DOMINANCE = 5.0
+MIN_BLOCKS_PER_MAP_SIDE = 16
+MIN_PARABOLA_TO_HIGHER_TERMS_RATIO = 5.0
 """A fitted parabola dominates a map if its mean square height exceeds that of the fitted cubic and quartic terms by
 this factor.
 
@@ -25,7 +25,7 @@ For a rough map without form, the ratio is about 2 if the longest wavelengths do
 parabola is the form of the body, roughness contributes little to the higher terms, and the ratio is larger.
 """
 
-MIN_STEP_SHARPNESS = 0.8
+MIN_FRACTION_OF_STEP_AT_ITS_EDGE = 0.8
 """Minimum fraction of a step's height that arises within a few blocks of its edge.
 
 Smooth forms have a smaller fraction.
@@ -63,7 +63,7 @@ def measure_parabola_fraction(body: Surface) -> float:
     basis, _ = np.linalg.qr(design_matrix)
     mean_squares = np.square(basis.T @ heights) / heights.size
     parabola, higher_terms = mean_squares[3:6].sum(), mean_squares[6:].sum()
-    is_dominant = parabola > MIN_PARABOLA_DOMINANCE * higher_terms
+    is_dominant = parabola > MIN_PARABOLA_TO_HIGHER_TERMS_RATIO * higher_terms
     return float(min(parabola / mean_square, 1.0)) if is_dominant else 0.0
 
 
@@ -100,7 +100,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
             best_distances_across = distance_across
     distances = best_distances_across - best_edge
     nearest_distance, farthest_distance = (
-        2 / min(MAX_BLOCKS, count) * distance_in_blocks
+        2 / min(MAX_BLOCKS_PER_MAP_SIDE, count) * distance_in_blocks
         for distance_in_blocks in _COMPARED_DISTANCES_FROM_STEP_IN_BLOCKS
     )
     heights_below, heights_above = (
@@ -108,7 +108,7 @@ def find_dominant_step(body: Profile | Surface) -> DominantStep | None:
     )
     if not (best_square_sum > 0 and heights_below.size and heights_above.size):
         return None
-    if (heights_above.mean() - heights_below.mean()) / best_height < MIN_STEP_SHARPNESS:
+    if (heights_above.mean() - heights_below.mean()) / best_height < MIN_FRACTION_OF_STEP_AT_ITS_EDGE:
         return None
     # Blocks of points that the height step crosses are excluded, because their mean heights mix both levels.
     is_undivided = np.abs(distances) > nearest_distance
@@ -124,10 +124,10 @@ def _average_blocks(body: Profile | Surface) -> tuple[list[Floats], Floats, floa
     least-squares plane of the blocks, and the mean square height of all points. Returns None for a flat or small body.
     """
     heights = body.heights_with_nan
-    max_blocks = MAX_BLOCKS if heights.ndim == 2 else MAX_BLOCKS**2
+    max_blocks = MAX_BLOCKS_PER_MAP_SIDE if heights.ndim == 2 else MAX_BLOCKS_PER_MAP_SIDE**2
     block_sizes = [-(-points // max_blocks) for points in heights.shape]
     block_counts = [points // size for points, size in zip(heights.shape, block_sizes, strict=True)]
-    if min(block_counts) < MIN_BLOCKS:
+    if min(block_counts) < MIN_BLOCKS_PER_MAP_SIDE:
         return None
     heights = heights[tuple(slice(count * size) for count, size in zip(block_counts, block_sizes, strict=True))]
     missing = np.isnan(heights)

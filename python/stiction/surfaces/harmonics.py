@@ -9,14 +9,14 @@ import numpy as np
 from stiction._checks import Floats
 
 # Minimum distance (bins) between harmonics: between closer harmonics, too few bins are unaffected by them.
-MIN_HARMONIC_DISTANCE = 10
+MIN_HARMONIC_DISTANCE_IN_BINS = 10
 # Minimum bin of a first harmonic: in lower bins, a peak may be the mean or a tilt, spread by the Hann window.
 _MIN_FIRST_HARMONIC_BIN = 2.5
 _MAX_COMPARED_HARMONICS = 8
 _MIN_SIGNIFICANT_HIGHER_HARMONICS = 2
 _MAX_TESTED_PEAKS = 6
 # By chance, about one bin in 1000 has ten times the spectral density of its neighbours.
-_MIN_HARMONIC_RATIO = 10.0
+_MIN_PEAK_TO_NEIGHBOUR_DENSITY_RATIO = 10.0
 _PEAK_HALF_WIDTH_IN_BINS = 2.5
 _SEARCH_POSITIONS_PER_BIN = 16
 # The spectral density between two harmonics is estimated by this low quantile, which aliased harmonics hardly raise.
@@ -55,7 +55,7 @@ def find_texture_harmonics(density: Floats) -> tuple[float, float]:
             harmonic_bins = np.rint(first_harmonics[:, np.newaxis] * harmonic_orders).astype(np.intp)
             density_ratio = padded_density[np.minimum(harmonic_bins, nyquist_bin)] / background
             scores = np.log(np.maximum(density_ratio, 1.0)).sum(axis=1)
-            is_significant = density_ratio[int(np.argmax(scores))] > _MIN_HARMONIC_RATIO
+            is_significant = density_ratio[int(np.argmax(scores))] > _MIN_PEAK_TO_NEIGHBOUR_DENSITY_RATIO
             min_significant = max(_MIN_SIGNIFICANT_HIGHER_HARMONICS, is_significant.size // 3 + 1)
             if is_significant[0] and is_significant[1:].sum() >= min_significant and scores.max() > best_score:
                 best_score = float(scores.max())

@@ -30,7 +30,7 @@ _RELATIVE_MODEL_ERROR = 0.1
 # Limits of the exponent fitted to spectra of scan lines: 1 (Hurst exponent 0) and 5 (Hurst exponent 2).
 _LINE_SPECTRUM_EXPONENT_RANGE = (1.0, 5.0)
 # The fitted noise must not exceed this multiple of the noise estimated from wavelengths below four points.
-_MAX_FITTED_NOISE_RATIO = 2.0
+_MAX_FITTED_TO_SHORT_WAVELENGTH_NOISE_RATIO = 2.0
 
 
 @dataclass(frozen=True)
@@ -71,9 +71,9 @@ def find_hidden_noise(body: Profile | Surface, *, periodic: bool = False) -> Noi
     noise_fraction = noise_mean_square_slope / mean_square_slope
     if not fit.is_significant or noise_fraction <= MAX_NEGLIGIBLE_NOISE_FRACTION:
         return None
-    if isinstance(body, Surface) and fit.level > _MAX_FITTED_NOISE_RATIO * _estimate_short_wavelength_noise(
-        body, periodic
-    ):
+    if isinstance(
+        body, Surface
+    ) and fit.level > _MAX_FITTED_TO_SHORT_WAVELENGTH_NOISE_RATIO * _estimate_short_wavelength_noise(body, periodic):
         return None
     roughness = scale_dependent_roughness(body, periodic=periodic)
     longest_wavelength, shortest_wavelength = (

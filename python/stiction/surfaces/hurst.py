@@ -26,7 +26,7 @@ _NO_SELF_AFFINE_BAND_MESSAGE = (
     "the spectrum has no self-affine band of half a decade or more (0 < H < 2); specify one with band"
 )
 # After the subtraction of a straight line, heights below this fraction of the original heights are round-off.
-_TREND_ROUND_OFF = 1e-13
+_ROUND_OFF_AFTER_TREND_REMOVAL = 1e-13
 # Number of lowest harmonics that are excluded, because a Hann window adds power from the mean and longer wavelengths.
 _NUM_EXCLUDED_HARMONICS = 2
 
@@ -39,7 +39,7 @@ _RELATIVE_MODEL_ERROR = 0.1
 _SPECTRUM_PIECE_PENALTY = 10.0
 # Maximum deviance of a fit per degree of freedom: random scatter of a spectrum causes about 1, separate peaks more.
 _MAX_DEVIANCE_PER_DEGREE_OF_FREEDOM = 10.0
-_MIN_BAND_WIDTH = math.log(3)  # about half a decade
+_MIN_LOG_BAND_WIDTH = math.log(3)  # about half a decade
 _ROLL_OFF_PENALTY = 2.0
 
 
@@ -340,7 +340,7 @@ def _select_profile_harmonics(profile: Profile, periodic: bool) -> tuple[Floats,
     if not periodic:
         centred_index = np.arange(heights.size) - (heights.size - 1) / 2
         levelled_heights = heights - centred_index * (heights @ centred_index / (centred_index @ centred_index))
-        if not np.abs(levelled_heights).max() > _TREND_ROUND_OFF * np.abs(profile.heights).max():
+        if not np.abs(levelled_heights).max() > _ROUND_OFF_AFTER_TREND_REMOVAL * np.abs(profile.heights).max():
             raise ValueError("profile must not be a straight line, which has no roughness")
         heights = levelled_heights
     height_scale = float(np.abs(heights).max())
@@ -413,7 +413,7 @@ def _find_self_affine_band(q: Floats, power: Floats, variance_factor: float) -> 
         pieces = _select_spectrum_pieces(bins.log_q.size, starts, piece_ends, losses)
         # The power spectrum of a self-affine profile has the exponent 3 for H = 1, and 5 for H = 2.
         for max_exponent in (3.0, 5.0):
-            max_band_width = _MIN_BAND_WIDTH
+            max_band_width = _MIN_LOG_BAND_WIDTH
             best_band: tuple[slice, _SpectrumBins] | None = None
             for piece in pieces:
                 if not 1 < exponents[piece] < max_exponent:
@@ -463,7 +463,7 @@ def _remove_noisy_end(
     end_harmonic = int(np.searchsorted(np.log(q), max_log_q, side="right"))
     if (
         end_harmonic - selection.start < MIN_BAND_HARMONICS
-        or max_log_q - math.log(q[selection.start]) < _MIN_BAND_WIDTH
+        or max_log_q - math.log(q[selection.start]) < _MIN_LOG_BAND_WIDTH
     ):
         raise ValueError(_NO_SELF_AFFINE_BAND_MESSAGE)
     return slice(selection.start, end_harmonic), piece.slice_bins(

@@ -18,11 +18,11 @@ from stiction.surfaces.surface import Surface, as_body, reject_flat_body
 
 # Maximum number of fitted lines of a map: more lines add little information, because neighbouring lines are correlated.
 MAX_FITTED_LINES = 64
-_BOTH_AXES: tuple[LineOrientation, LineOrientation] = ("x", "y")
+_LINE_ORIENTATIONS: tuple[LineOrientation, LineOrientation] = ("x", "y")
 # A power law is accepted if the spectral density deviates from it by at most this factor (logarithmic rms).
 MAX_POWER_LAW_MISFIT = 1.5
 _MAX_RATIO_OF_EQUAL_BAND_LIMITS = 1.5
-_LOG_MODEL_VARIANCE = 0.04
+_POWER_LAW_MODEL_VARIANCE = 0.04
 _MIN_LINE_POINTS = 7
 
 
@@ -207,7 +207,7 @@ def lines_along_both(
                 shortest_wavelength, longest_wavelength = np.sqrt(band_ends.prod(axis=0)).tolist()
                 along_x, along_y = (
                     line_roughness(surface, along, band=(shortest_wavelength, longest_wavelength))
-                    for along in _BOTH_AXES
+                    for along in _LINE_ORIENTATIONS
                 )
             if not min(along_x.misfit, along_y.misfit) > MAX_POWER_LAW_MISFIT:
                 return along_x, along_y
@@ -232,7 +232,7 @@ def power_law_misfit(
         return math.nan
     log_ratio = np.log(bins.density[is_in_band] * bins.wave_number[is_in_band] ** (dimensions + 2 * exponent))
     chance_variance = chance / bins.count[is_in_band]
-    weight = 1 / (chance_variance + _LOG_MODEL_VARIANCE)
+    weight = 1 / (chance_variance + _POWER_LAW_MODEL_VARIANCE)
     squared_deviation = np.square(log_ratio - np.average(log_ratio, weights=weight)) - chance_variance
     return math.exp(math.sqrt(max(0.0, float(np.average(squared_deviation, weights=weight)))))
 

@@ -11,7 +11,7 @@ from stiction._checks import Floats, float_array
 from stiction.surfaces.profile import Profile
 from stiction.surfaces.surface import Surface, as_body
 
-CORE_FRACTION = 0.4
+CORE_LINE_MATERIAL_FRACTION = 0.4
 # Material ratios that separate peaks from the core, and the core from valleys: the defaults of ISO 25178-3.
 PEAK_MATERIAL_RATIO, VALLEY_MATERIAL_RATIO = 0.1, 0.8
 # The extreme peak height is the height between these two material ratios: the defaults of ISO 25178-3.
@@ -153,7 +153,7 @@ def _fit_core_line(deviation: Floats) -> tuple[float, float, float]:
     """
     heights = np.sort(deviation, axis=None)[::-1]
     points = heights.size
-    core_points = max(2, round(CORE_FRACTION * points))
+    core_points = max(2, round(CORE_LINE_MATERIAL_FRACTION * points))
     height_falls = heights[: points - core_points + 1] - heights[core_points - 1 :]
     start = int(np.argmin(height_falls))
     ratio = (np.arange(start, start + core_points) + 0.5) / points

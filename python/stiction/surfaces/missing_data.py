@@ -31,8 +31,8 @@ MAX_OUTLIER_GROUP_SIZE = 4
 # The median deviation of rounded heights from a line through two neighbours is 0.21 to 0.33 rounding steps.
 _MEDIAN_ROUNDING_DEVIATION = 0.25
 _FORM_ROUND_OFF_FRACTION = 1e-10
-_MAX_FLAT_FRACTION = 0.25
-_MIN_ROUGH_FRACTION = 0.02
+_MAX_FRACTION_OF_SMOOTH_POINTS = 0.25
+_MIN_FRACTION_OF_ROUGH_POINTS = 0.02
 
 _WINDOW_WIDTHS = {1: 31, 2: 7}  # points, of profiles and maps
 # Minimum number of means over neighbours: the median of three means is robust against an outlier in one of them.
@@ -215,12 +215,12 @@ def _find_neighbour_deviations(
     round_off = _FORM_ROUND_OFF_FRACTION * float(np.ptp(heights[is_measured])) if is_measured.any() else 0.0
     # Height deviations above this limit (µm) exceed both one rounding step and the round-off.
     resolution = 1.01 * max(step, round_off)
-    if is_known.any() and np.quantile(deviations[is_known], _MAX_FLAT_FRACTION) <= resolution:
+    if is_known.any() and np.quantile(deviations[is_known], _MAX_FRACTION_OF_SMOOTH_POINTS) <= resolution:
         from scipy.ndimage import maximum_filter, median_filter
 
         is_rough = is_known & (median_filter(np.where(is_known, deviations, 0.0), size=width) > resolution)
         near_rough_region = maximum_filter(is_rough, size=width)
-        if step <= round_off and is_rough.sum() >= _MIN_ROUGH_FRACTION * is_known.sum():
+        if step <= round_off and is_rough.sum() >= _MIN_FRACTION_OF_ROUGH_POINTS * is_known.sum():
             near_rough_region[...] = True
     typical_values = np.zeros(deviations.shape)
     for group_mask in (~at_edge, at_edge):

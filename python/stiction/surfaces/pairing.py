@@ -426,7 +426,7 @@ class MapPairs:
 class SquarePiecePairs:
     """Base class for pairs of square pieces, cut from random height maps with the same spacing along x and y."""
 
-    _num_side_points: int
+    _count_points_per_side: int
     _grid_spacing: float
 
     @property
@@ -440,7 +440,7 @@ class SquarePiecePairs:
 
         Raises a `ValueError` if the pieces would be too small.
         """
-        points = self._num_side_points - self._num_side_points // MAX_SHIFT_DIVISOR
+        points = self._count_points_per_side - self._count_points_per_side // MAX_SHIFT_DIVISOR
         if points < MIN_PIECE_SIDE_POINTS:
             raise ValueError(
                 f"pressed pieces must have at least {MIN_PIECE_SIDE_POINTS} rows and columns, got {points} at a "
@@ -473,18 +473,18 @@ class IsotropicSurfacePairs(SquarePiecePairs):
         return self._resampled_profiles[0].spacing
 
     @cached_property
-    def _num_side_points(self) -> int:  # type: ignore[override]
+    def _count_points_per_side(self) -> int:  # type: ignore[override]
         return min(*(len(profile) for profile in self._resampled_profiles), MAX_SURROGATE_SIDE_POINTS)
 
     @property
     def piece_fractions(self) -> tuple[float, float]:
         """Two ratios: side length of a piece to the upper profile's length, and to the lower profile's length."""
-        upper, lower = (self._num_side_points / len(profile) for profile in self._resampled_profiles)
+        upper, lower = (self._count_points_per_side / len(profile) for profile in self._resampled_profiles)
         return upper, lower
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
         """Generate a random map from each profile for the pair `index`, and return a levelled piece of each map."""
-        shape = (self._num_side_points, self._num_side_points)
+        shape = (self._count_points_per_side, self._count_points_per_side)
         upper, lower = (
             levelled(
                 resample_piece(
@@ -528,19 +528,19 @@ class SurfacePairsFromSpectra(SquarePiecePairs):
         return max(min(self.upper.shortest, self.lower.shortest), self.shortest_cutoff) / GRID_POINTS_PER_WAVELENGTH
 
     @cached_property
-    def _num_side_points(self) -> int:  # type: ignore[override]
+    def _count_points_per_side(self) -> int:  # type: ignore[override]
         longest_period = max(self.upper.longest, self.lower.longest) / MAX_WAVELENGTH_TO_SIDE
         return min(MAX_SURROGATE_SIDE_POINTS, int(longest_period / self._grid_spacing))
 
     @property
     def side_length(self) -> float:
         """Side length (µm) of the generated height maps."""
-        return self._num_side_points * self._grid_spacing
+        return self._count_points_per_side * self._grid_spacing
 
     @property
     def piece_fractions(self) -> tuple[float, float]:
         """Ratio of a piece's area to the area of the generated map, given twice: for the upper and the lower map."""
-        fraction = float(np.prod(self.shape)) / self._num_side_points**2
+        fraction = float(np.prod(self.shape)) / self._count_points_per_side**2
         return fraction, fraction
 
     def surrogates(self, index: int) -> tuple[Surface, Surface]:
@@ -548,7 +548,7 @@ class SurfacePairsFromSpectra(SquarePiecePairs):
         return self._generate_piece(self.upper, index, "upper"), self._generate_piece(self.lower, index, "lower")
 
     def _generate_piece(self, body: JoinedSpectrum, index: int, side: Side) -> Surface:
-        shape = (self._num_side_points, self._num_side_points)
+        shape = (self._count_points_per_side, self._count_points_per_side)
         surface = body.surface(self.seed, shape=shape, spacing=self.spacing, repetition=index, side=side)
         if (cut_off_wavelength := self.cut_off[SIDES.index(side)]) > 0:
             surface = cut_off(surface, cut_off_wavelength, periodic=True)

@@ -9,7 +9,7 @@ import numpy as np
 from stiction._checks import Floats
 
 # A hill is counted if its height exceeds this fraction of Rp, and a dale if its depth exceeds this fraction of Rv.
-DISCRIMINATION_FRACTION = 0.1
+HEIGHT_DISCRIMINATION_FRACTION = 0.1
 
 
 def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, Floats]:
@@ -22,8 +22,8 @@ def profile_elements(heights: Floats, peak: float, pit: float) -> tuple[Floats, 
     these crossings.
     """
     sign = np.zeros(heights.size, np.int8)
-    sign[heights > DISCRIMINATION_FRACTION * peak] = 1
-    sign[heights < -DISCRIMINATION_FRACTION * pit] = -1
+    sign[heights > HEIGHT_DISCRIMINATION_FRACTION * peak] = 1
+    sign[heights < -HEIGHT_DISCRIMINATION_FRACTION * pit] = -1
     counted_points = np.flatnonzero(sign)
     sign_changes = np.flatnonzero(np.diff(sign[counted_points]))
     last_points, next_points = counted_points[sign_changes], counted_points[sign_changes + 1]

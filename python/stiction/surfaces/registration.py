@@ -21,7 +21,7 @@ from stiction.surfaces.surface import Surface
 MAX_ROTATION = 3.0  # degrees
 ROTATION_STEP = 0.5  # degrees
 # A shift is rounded to whole points if it puts all points within this distance (points) of points of the other grid.
-GRID_TOLERANCE = 0.02
+WHOLE_POINT_SHIFT_TOLERANCE = 0.02
 MAX_SECOND_CORRELATION_RATIO = 0.7
 MIN_OVERLAP_FRACTION = 0.5
 _MIN_COARSE_POINTS = {1: 64, 2: 16}
@@ -127,7 +127,7 @@ def measure_fit(upper: Any, lower: Any) -> float:
     )
 
 
-MIN_FIT_CORRELATIONS = {Profile: 0.9, Surface: 0.5}
+MIN_SLOPE_CORRELATIONS_OF_MATING_FACES = {Profile: 0.9, Surface: 0.5}
 """Minimum slope correlation (see `measure_fit`) at which two profiles or height maps count as mating faces.
 
 The largest correlation of 3600 pairs of unrelated profiles was 0.86, and of 1350 pairs of unrelated maps 0.40.
@@ -141,7 +141,7 @@ def do_faces_fit(upper: Any, lower: Any) -> bool:
     """
     if upper.is_flat or lower.is_flat or not np.allclose(upper.spacings, lower.spacings):
         return False
-    return measure_fit(upper, lower) > MIN_FIT_CORRELATIONS[type(lower)]
+    return measure_fit(upper, lower) > MIN_SLOPE_CORRELATIONS_OF_MATING_FACES[type(lower)]
 
 
 def correlate_facing_slopes(upper: Any, lower: Any) -> float:
@@ -289,11 +289,11 @@ def _to_full_grid(position: _FacePosition, upper: Any, lower: Any, factor: int) 
 def _find_grid_offset(upper: Any, lower: Any, position: _FacePosition) -> tuple[int, ...] | None:
     """Return the upper face's offset in whole points if the grids of both faces coincide, and None otherwise.
 
-    Deviations of up to `GRID_TOLERANCE` points from the grid are ignored.
+    Deviations of up to `WHOLE_POINT_SHIFT_TOLERANCE` points from the grid are ignored.
     """
     steps = _convert_centre_shift_to_corner_offset(position.shift, upper, lower)
     move_of_ends = abs(position.rotation) * max(lower.heights.shape) / 2
-    is_on_grid = all(abs(step - round(step)) + move_of_ends <= GRID_TOLERANCE for step in steps)
+    is_on_grid = all(abs(step - round(step)) + move_of_ends <= WHOLE_POINT_SHIFT_TOLERANCE for step in steps)
     return tuple(round(step) for step in steps) if is_on_grid else None
 
 

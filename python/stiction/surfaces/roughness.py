@@ -32,7 +32,7 @@ SEVEN_POINT_WEIGHTS = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0])
 # Sal and Str are computed at the decay of the autocorrelation to this number, the default of ISO 25178-3.
 DECAY_AUTOCORRELATION = 0.2
 _NUM_DIRECTIONS = 720
-_NUM_SECTORS = 90
+_NUM_ANGULAR_SECTORS = 90
 
 
 def describe_levelling(history: tuple[str, ...]) -> str:
@@ -275,11 +275,11 @@ def _compute_texture_parameters(surface: Surface, deviation: Floats) -> dict[str
     shortest_decay, longest_decay = _find_decay_lengths(deviation, surface.spacing)
     q, angle, density = surface_spectrum(surface).waves()
     is_resolved = q > 2.5 * 2 * math.pi / max(surface.extent)
-    sector_index = np.rint(angle[is_resolved] * _NUM_SECTORS / 180).astype(np.intp) % _NUM_SECTORS
-    strongest_sector = int(np.argmax(np.bincount(sector_index, density[is_resolved], minlength=_NUM_SECTORS)))
+    sector_index = np.rint(angle[is_resolved] * _NUM_ANGULAR_SECTORS / 180).astype(np.intp) % _NUM_ANGULAR_SECTORS
+    strongest_sector = int(np.argmax(np.bincount(sector_index, density[is_resolved], minlength=_NUM_ANGULAR_SECTORS)))
     return {
         "Sal": shortest_decay, "Str": shortest_decay / longest_decay,
-        "Std": float(strongest_sector * 180 / _NUM_SECTORS),
+        "Std": float(strongest_sector * 180 / _NUM_ANGULAR_SECTORS),
         "Ssw": _find_dominant_wavelength(deviation, surface.spacing),
     }  # fmt: skip
 

@@ -15,7 +15,7 @@ from stiction._repr import TableReprMixin, TextReprMixin
 from stiction._units import short_repr
 from stiction.surfaces.filters import MIN_CUTOFF_POINTS, gaussian_transmission
 from stiction.surfaces.harmonics import (
-    MIN_HARMONIC_DISTANCE,
+    MIN_HARMONIC_DISTANCE_IN_BINS,
     estimate_density_between_harmonics,
     find_texture_harmonics,
 )
@@ -40,24 +40,24 @@ _MIN_DENSITY_RATIO_OF_RISE = 3.0
 MAX_NEGLIGIBLE_NOISE_FRACTION = 0.1
 # A Gaussian filter with a cutoff of this multiple of a wavelength transmits 8 % of the amplitude at the wavelength.
 CUTOFF_TO_REMOVED_WAVELENGTH_RATIO = 1.9
-_MIN_SLOPE_FRACTION = 1e-4
+_MIN_MEAN_SQUARE_SLOPE_FRACTION = 1e-4
 _MIN_ALIASED_SURFACE_EXPONENT = 0.6
 # In 1080 generated profiles of turned surfaces, this minimum exponent avoids 14 of 22 false detections of noise.
 _MIN_TEXTURED_SURFACE_EXPONENT = 0.8
 # Heights count as quantised if rounding explains at least this fraction of their mean square second difference.
-_MIN_QUANTISATION_FRACTION = 0.3
+_MIN_FRACTION_EXPLAINED_BY_ROUNDING = 0.3
 # Maximum absolute exponent of a flat spectrum, and maximum rms deviation of its ln(density) from the mean.
-_MAX_FLAT_EXPONENT = 0.35
+_MAX_EXPONENT_OF_FLAT_SPECTRUM = 0.35
 # Maximum exponent of a noise floor: above that of flat spectra, because the surface adds power at long wavelengths.
-_MAX_FLOOR_EXPONENT = 0.7
+_MAX_EXPONENT_OF_NOISE_FLOOR = 0.7
 _PURE_NOISE_WAVELENGTH_FRACTION = 0.7
 INSTRUMENT_REASONS = ("noise floor", "quantisation")
-_MAX_EQUAL_NOISE_RATIO = 2.0
+_MAX_DENSITY_RATIO_OF_EQUAL_NOISE = 2.0
 # Minimum ratio of a spectrum's density to the density of noise that it hides: below 1, because densities scatter.
-_MIN_HIDING_DENSITY_RATIO = 0.8
+_MIN_DENSITY_RATIO_THAT_HIDES_NOISE = 0.8
 # With fewer independent lines than this, lines share their noise, and the spectrum across the lines would show it.
 _MIN_INDEPENDENT_LINES = 8.0
-_MIN_EXTRAPOLATION_RATIO = 1e-6
+_MIN_EXTRAPOLATED_WAVELENGTH_RATIO = 1e-6
 _NUM_BISECTION_STEPS = 60
 
 LimitOrigin = Literal["instrument", "unknown"]
@@ -146,7 +146,7 @@ class ScaleDependentRoughness(TextReprMixin):
         reached; with a power law, the search extends to a millionth of the scan's shortest wavelength.
         """
         target_gradient = validate_number("gradient", gradient, above=0)
-        shortest_wavelength = self.wavelength[-1] * (1.0 if estimate is None else _MIN_EXTRAPOLATION_RATIO)
+        shortest_wavelength = self.wavelength[-1] * (1.0 if estimate is None else _MIN_EXTRAPOLATED_WAVELENGTH_RATIO)
         log_shortest, log_longest = math.log(shortest_wavelength), math.log(self.wavelength[0])
 
         def gradient_at_log_wavelength(log_wavelength: float) -> float:
@@ -437,7 +437,7 @@ def instrument_limit(
     # Along an axis without roughness, the spectrum contains only round-off, which is not reported as noise.
     noise_wavelengths = [
         disturbance.wavelength_limit
-        if disturbance.mean_square_slope > _MIN_SLOPE_FRACTION * total_mean_square_slope
+        if disturbance.mean_square_slope > _MIN_MEAN_SQUARE_SLOPE_FRACTION * total_mean_square_slope
         else math.nan
         for disturbance in disturbances
     ]
@@ -462,7 +462,7 @@ def instrument_limit(
         )
     noise_kind = disturbances[noisier_axis].noise_kind
     noise_slope_fraction = min(noise_mean_square_slope / total_mean_square_slope, 1.0)
-    if not noise_slope_fraction > _MIN_SLOPE_FRACTION:
+    if not noise_slope_fraction > _MIN_MEAN_SQUARE_SLOPE_FRACTION:
         noise_wavelength = math.nan
     origin: LimitOrigin = (
         "unknown"
@@ -595,14 +595,14 @@ def _compare_noise_along_axes(spectra: list[LineSpectrum], noise_wavelengths: li
     if noise_wavelengths[1 - axis] > 0:
         return bool(
             (
-                (other_mean_density < _MAX_EQUAL_NOISE_RATIO * expected_mean_density)
-                & (expected_mean_density < _MAX_EQUAL_NOISE_RATIO * other_mean_density)
+                (other_mean_density < _MAX_DENSITY_RATIO_OF_EQUAL_NOISE * expected_mean_density)
+                & (expected_mean_density < _MAX_DENSITY_RATIO_OF_EQUAL_NOISE * other_mean_density)
             ).all()
         ), 0.0
     independent_lines = count[q * noise_wavelengths[axis] > 2 * math.pi].mean()
     if (
         not expected_mean_density.size
-        or (other_mean_density < _MIN_HIDING_DENSITY_RATIO * expected_mean_density).any()
+        or (other_mean_density < _MIN_DENSITY_RATIO_THAT_HIDES_NOISE * expected_mean_density).any()
         or independent_lines < _MIN_INDEPENDENT_LINES
     ):
         return False, 0.0
@@ -626,7 +626,7 @@ def _find_noise_and_texture(
     first_harmonic, harmonic_distance = find_texture_harmonics(density)
     period = 2 * math.pi / (float(q[0]) * first_harmonic)
     if first_harmonic > 0:
-        if harmonic_distance < MIN_HARMONIC_DISTANCE:
+        if harmonic_distance < MIN_HARMONIC_DISTANCE_IN_BINS:
             return _NoiseAndTexture(math.nan, "noise floor", 0.0, period)
         # Near the first harmonic, cusps of unequal depth cause a hump, so noise is searched for above this harmonic.
         above_first_harmonic = slice(int(first_harmonic), None)
@@ -698,7 +698,7 @@ def _find_noise_wavelength(
         list(_fit_window_exponents(-np.log(wavelengths), np.log(density), chance_variance, width))
         for width in _FIT_WINDOW_WIDTHS_IN_OCTAVES
     ]
-    if _fit_line_slope(-np.log(wavelengths), np.log(density), chance_variance)[0] > -_MAX_FLAT_EXPONENT:
+    if _fit_line_slope(-np.log(wavelengths), np.log(density), chance_variance)[0] > -_MAX_EXPONENT_OF_FLAT_SPECTRUM:
         return float(wavelengths[0]), "noise floor"
     is_last_octave = wavelengths <= 2.01 * wavelengths[-1]
     last_exponent, exponent_deviation = _fit_line_slope(
@@ -742,8 +742,8 @@ def _is_noise_floor(wavelengths: Floats, density: Floats, chance_variance: Float
     In the shortest octave, the floor must be flat.
     """
     for max_wavelength, max_exponent in (
-        (_PURE_NOISE_WAVELENGTH_FRACTION * limit, _MAX_FLOOR_EXPONENT),
-        (2.01 * float(wavelengths[-1]), _MAX_FLAT_EXPONENT),
+        (_PURE_NOISE_WAVELENGTH_FRACTION * limit, _MAX_EXPONENT_OF_NOISE_FLOOR),
+        (2.01 * float(wavelengths[-1]), _MAX_EXPONENT_OF_FLAT_SPECTRUM),
     ):
         is_short = wavelengths < max_wavelength
         if is_short.sum() < _NOISE_BINS_PER_OCTAVE // 2:
@@ -754,7 +754,7 @@ def _is_noise_floor(wavelengths: Floats, density: Floats, chance_variance: Float
         scatter = np.square(y - np.average(y, weights=weight)) - variance
         if (
             not abs(slope) < max(max_exponent, 2 * deviation)
-            or np.average(scatter, weights=weight) > _MAX_FLAT_EXPONENT**2
+            or np.average(scatter, weights=weight) > _MAX_EXPONENT_OF_FLAT_SPECTRUM**2
         ):
             return False
     return True
@@ -818,4 +818,4 @@ def _is_quantised(body: Profile | Surface) -> bool:
     """Return whether the rounding of heights to a step is the cause of a large fraction of a body's noise."""
     mean_square_second_difference = float(np.square(np.diff(body.heights, 2)).mean())
     # Rounding to steps s adds white noise of variance s²/12, whose mean square second difference is s²/2.
-    return body.height_step**2 / 2 > _MIN_QUANTISATION_FRACTION * mean_square_second_difference
+    return body.height_step**2 / 2 > _MIN_FRACTION_EXPLAINED_BY_ROUNDING * mean_square_second_difference

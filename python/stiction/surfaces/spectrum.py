@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 ROUND_OFF_FACTOR = 1 + 1e-9
 _PEAK_BINS_PER_DECADE = 24
-_PEAK_WINDOW_BINS = 6
+_PEAK_WINDOW_HALF_WIDTH_IN_BINS = 6
 
 HANN_VARIANCE_FACTOR = 35 / 18
 """Factor by which a Hann window w increases the variance of a sum over harmonics: mean(w⁴) / mean(w²)²."""
@@ -516,7 +516,9 @@ def find_spectral_peak(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[floa
     bins = spectrum.in_bins(_PEAK_BINS_PER_DECADE)
     density = np.maximum(bins.density, np.finfo(float).tiny)
     bin_count = density.size
-    half_widths = np.minimum(np.minimum(np.arange(bin_count), np.arange(bin_count)[::-1]), _PEAK_WINDOW_BINS)
+    half_widths = np.minimum(
+        np.minimum(np.arange(bin_count), np.arange(bin_count)[::-1]), _PEAK_WINDOW_HALF_WIDTH_IN_BINS
+    )
     median_density = np.array(
         [
             np.median(density[index - half_width : index + half_width + 1])
@@ -525,7 +527,7 @@ def find_spectral_peak(spectrum: PowerSpectrum, *, lines: int = 1) -> tuple[floa
     )
     density_ratio = density / median_density
     chance_ratio = 1 + 5 * np.sqrt(2 / (bins.count * lines))
-    is_peak = (half_widths >= _PEAK_WINDOW_BINS // 2) & (density_ratio > np.maximum(3.0, chance_ratio))
+    is_peak = (half_widths >= _PEAK_WINDOW_HALF_WIDTH_IN_BINS // 2) & (density_ratio > np.maximum(3.0, chance_ratio))
     if not is_peak.any():
         return None
     power_contributions = bins.wave_number**4 * density * bins.count

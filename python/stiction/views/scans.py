@@ -14,7 +14,7 @@ from stiction.mechanics.closed_forms import effective_modulus
 from stiction.mechanics.materials import material
 from stiction.mechanics.resolution import KAPPA_AT_SMALL_LOADS
 from stiction.summary.assessment import Caveat
-from stiction.summary.input_caveats import MAX_RATIO_OF_TWO_SPECTRA, have_different_spectra
+from stiction.summary.input_caveats import MAX_DENSITY_RATIO_OF_JOINED_SPECTRA, have_different_spectra
 from stiction.surfaces.joined_spectrum import JoinedSpectrum
 from stiction.surfaces.repeated_scans import RepeatedScans
 from stiction.surfaces.scale import MAX_NEGLIGIBLE_NOISE_FRACTION
@@ -55,7 +55,9 @@ def joined_spectrum_text(joined: JoinedSpectrum, caveats: Sequence[Caveat] = ())
         joined.names, joined.bands, joined.reasons, joined.disagreement, joined.chance, strict=True
     ):
         deviation = "no overlap" if math.isnan(power_ratio) else f"{power_ratio:.2f} times as much power"
-        deviation += ", from few wavelengths" if 2 * expected_deviation > math.log(MAX_RATIO_OF_TWO_SPECTRA) else ""
+        deviation += (
+            ", from few wavelengths" if 2 * expected_deviation > math.log(MAX_DENSITY_RATIO_OF_JOINED_SPECTRA) else ""
+        )
         rows.append(
             [name, f"{format_with_unit(shortest, 'um')} to {format_with_unit(longest, 'um')}", reason, deviation]
         )

@@ -14,7 +14,7 @@ from stiction.mechanics.law import CONTACT_LAWS_BY_NAME
 from stiction.study import values
 from stiction.study.contact_settings import (
     CONTACT_SETTINGS_CLASSES,
-    LAW_SETTINGS_CLASSES,
+    SETTINGS_CLASSES_BY_CONTACT_LAW,
     SHARED_CONTACT_SETTINGS_CLASSES,
 )
 from stiction.study.generated_surfaces import SelfAffineSettings
@@ -47,7 +47,7 @@ _ALLOWED_VALUE_TEXTS = {
     "law": " or ".join(
         [
             *(f'`"{name}"`' for name in CONTACT_LAWS_BY_NAME),
-            *(f'a section with the name `"{name}"`' for name in LAW_SETTINGS_CLASSES),
+            *(f'a section with the name `"{name}"`' for name in SETTINGS_CLASSES_BY_CONTACT_LAW),
         ]
     ),
     "sliding": '`"opposing"`, `"all"` or a list of both',

@@ -15,8 +15,8 @@ MAX_LINES, MAX_CELLS_PER_LINE = 25_000_000, 4_000_000
 """Largest number of lines in a text file, and largest number of cells in a line."""
 
 MAX_FIRST_LINES, MAX_FIRST_LINE_LENGTH = 200, 1000
-CHARACTERS_PER_STEP = 250_000
-_MAX_SHOWN_LENGTH = 60
+CHARACTERS_CLASSIFIED_PER_STEP = 250_000
+_MAX_QUOTED_LINE_CHARACTERS = 60
 
 BLANK_LINE_CODE, NUMBER_LINE_CODE, TEXT_LINE_CODE = 0, 1, 2
 """Codes for the kinds of lines. A number line contains only numbers, separators and marks of missing points."""
@@ -43,10 +43,10 @@ Empty cells, asterisks, and two or more dashes also mark missing points.
 
 
 NUMERIC_CHARACTERS = b"0123456789+-.,;|*eE\"' \t\r\n"
-_DIGIT_BIT, _NUMBER_SYMBOL_BIT, _NON_NUMBER_CHARACTER_BIT, _CONTROL_BIT = 1, 2, 4, 8
+_DIGIT_BIT, _SYMBOL_IN_NUMBER_BIT, _NON_NUMBER_CHARACTER_BIT, _CONTROL_BIT = 1, 2, 4, 8
 _CHARACTER_KINDS = np.full(256, _NON_NUMBER_CHARACTER_BIT, np.uint8)
 _CHARACTER_KINDS[list(NUMERIC_CHARACTERS)] = 0
-_CHARACTER_KINDS[list(b"+-.*eE'")] = _NUMBER_SYMBOL_BIT
+_CHARACTER_KINDS[list(b"+-.*eE'")] = _SYMBOL_IN_NUMBER_BIT
 _CHARACTER_KINDS[list(b"0123456789")] = _DIGIT_BIT
 _CHARACTER_KINDS[[*range(9), *range(14, 32)]] = _CONTROL_BIT
 
@@ -103,9 +103,8 @@ class DecodedText:
         `line_number` counts from 0.
         """
         text = " ".join(self.line(line_number).split())
-        return (
-            f"line {line_number + 1} ({text if len(text) <= _MAX_SHOWN_LENGTH else text[:_MAX_SHOWN_LENGTH] + '...'!r})"
-        )
+        quoted_text = text if len(text) <= _MAX_QUOTED_LINE_CHARACTERS else text[:_MAX_QUOTED_LINE_CHARACTERS] + "..."
+        return f"line {line_number + 1} ({quoted_text!r})"
 
     @cached_property
     def first_lines(self) -> tuple[str, ...]:
@@ -131,7 +130,8 @@ class DecodedText:
         # The text is classified in pieces that fit into the processor's cache, which reduces the time by a third.
         while first_line < len(self):
             end_line = max(
-                first_line + 1, int(np.searchsorted(starts, starts[first_line] + CHARACTERS_PER_STEP, "right")) - 1
+                first_line + 1,
+                int(np.searchsorted(starts, starts[first_line] + CHARACTERS_CLASSIFIED_PER_STEP, "right")) - 1,
             )
             piece = self.data[starts[first_line] : starts[end_line]].translate(_CHARACTER_KIND_TABLE)
             bits_of_pieces.append(
@@ -145,8 +145,8 @@ class DecodedText:
         """Code for the kind of each line in the text: blank line, line of numbers, or other text."""
         bits = self.character_type_bits
         kinds = np.full(bits.size, NUMBER_LINE_CODE, np.uint8)
-        kinds[bits & (_DIGIT_BIT | _NON_NUMBER_CHARACTER_BIT | _NUMBER_SYMBOL_BIT) == 0] = BLANK_LINE_CODE
-        kinds[(bits & _DIGIT_BIT == 0) & (bits & _NUMBER_SYMBOL_BIT != 0)] = TEXT_LINE_CODE
+        kinds[bits & (_DIGIT_BIT | _NON_NUMBER_CHARACTER_BIT | _SYMBOL_IN_NUMBER_BIT) == 0] = BLANK_LINE_CODE
+        kinds[(bits & _DIGIT_BIT == 0) & (bits & _SYMBOL_IN_NUMBER_BIT != 0)] = TEXT_LINE_CODE
         for line_number in np.flatnonzero(bits & _NON_NUMBER_CHARACTER_BIT).tolist():
             remainder, mark_count = self.missing_word_pattern.subn(b"", self.raw_line(line_number))
             is_numeric_row = mark_count and not remainder.translate(None, NUMERIC_CHARACTERS)

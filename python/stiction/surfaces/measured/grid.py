@@ -11,13 +11,13 @@ from stiction.surfaces.measured.raw import MAX_DECLARED_NUMBER, FormatError
 
 # Positions count as exact if their distance from the nodes of a uniform grid is at most this fraction of a grid step.
 EXACT_POSITION_TOLERANCE = 1e-3
-MAX_GRID_OFFSET = 0.05  # grid steps
+MAX_OFFSET_FROM_GRID_IN_STEPS = 0.05  # grid steps
 MAX_NODES_PER_POINT = 4
 MIN_STEP_OF_ROUNDED_POSITIONS = 2.0
 # Maximum range of position errors on a grid, in units of the last digit: 1 from rounding, 0.2 from the fitted step.
-MAX_SCATTER_DIGITS = 1.2
+MAX_POSITION_SCATTER_IN_LAST_DIGITS = 1.2
 # The smallest gap between grid points must be at least this many times the largest gap that rounding causes.
-MIN_GRID_GAP_RATIO = 4.0
+MIN_GRID_GAP_TO_ROUNDING_GAP_RATIO = 4.0
 
 
 def to_grid(
@@ -96,7 +96,7 @@ def _find_step_and_node_indices(
         step, first_position = (float(coefficient) for coefficient in np.polyfit(node_indices, positions, 1))
         deviations = np.abs(positions - first_position - node_indices * step)
     worst_index = int(np.argmax(deviations))
-    allowed_deviation = MAX_GRID_OFFSET * step
+    allowed_deviation = MAX_OFFSET_FROM_GRID_IN_STEPS * step
     if deviations[worst_index] > allowed_deviation and digits is not None:
         allowed_deviation += float(np.max(digits()))
     if deviations[worst_index] > allowed_deviation or (last_node > 1 and deviations[worst_index] > 0.3 * step):
@@ -123,7 +123,7 @@ def _find_step_of_rounded_positions(positions: Floats, digits: Callable[[], Floa
     last_digit_value = float(np.max(digits()))
     is_uniform = (
         step >= MIN_STEP_OF_ROUNDED_POSITIONS * last_digit_value
-        and np.ptp(distinct_positions - step * node_indices) <= MAX_SCATTER_DIGITS * last_digit_value
+        and np.ptp(distinct_positions - step * node_indices) <= MAX_POSITION_SCATTER_IN_LAST_DIGITS * last_digit_value
     )
     return step if is_uniform else None
 
@@ -140,7 +140,7 @@ def estimate_step(positions: Floats) -> float | None:
     # A gap between sorted positions is a rounding error, one grid step or, if nodes are missing, several grid steps.
     ordered_gaps = np.sort(gaps)
     gap_ratios = ordered_gaps[1:] / ordered_gaps[:-1]
-    if gap_ratios.size and gap_ratios.max() > MIN_GRID_GAP_RATIO:
+    if gap_ratios.size and gap_ratios.max() > MIN_GRID_GAP_TO_ROUNDING_GAP_RATIO:
         gap_indices = np.flatnonzero(gaps > ordered_gaps[int(np.argmax(gap_ratios))]) + 1
         distinct_positions = np.array([float(cluster.mean()) for cluster in np.split(distinct_positions, gap_indices)])
     return float(np.median(np.diff(distinct_positions)))

@@ -294,7 +294,9 @@ _SCALED_UNIT_PATTERN = LazyPattern(
 prefix, as in "z u m".
 """
 
-_NUMBERED_NAME_PATTERN = LazyPattern(r".*\b(?:profile?|scan|trace|line|track|messung|nr\.?|no\.?)", re.IGNORECASE)
+_WORDS_BEFORE_PROFILE_NUMBER_PATTERN = LazyPattern(
+    r".*\b(?:profile?|scan|trace|line|track|messung|nr\.?|no\.?)", re.IGNORECASE
+)
 """Regular expression for words before the number of a profile, as in "Profile 10 um"."""
 
 _NAME_ENDINGS_LIKE_UNITS = ("point", "points", "pt", "pts", "line", "lines", "min", "sec", "px", "pixel", "pixels")
@@ -779,7 +781,9 @@ def _find_scaled_unit(name: str) -> str | None:
     Returns None without such a unit.
     """
     match = _SCALED_UNIT_PATTERN.fullmatch(name)
-    if match is None or (re.match(r"[0-9]+[\s_]", match[2]) and _NUMBERED_NAME_PATTERN.fullmatch(match[1])):
+    if match is None or (
+        re.match(r"[0-9]+[\s_]", match[2]) and _WORDS_BEFORE_PROFILE_NUMBER_PATTERN.fullmatch(match[1])
+    ):
         return None
     unit = match[3] or match[4]
     return match[2] if unit is None or parse_length_unit(unit) is not None else None

@@ -44,7 +44,7 @@ The spacing then has a relative error of at most 1/1000.
 
 _SPACING_RANGE = (1e-6, 1e6)
 # Largest plausible length or height (µm). A larger number has a wrong unit or marks a missing point.
-_MAX_LENGTH = 1e9
+_MAX_PLAUSIBLE_LENGTH = 1e9
 # Relative tolerance of codes for missing points, because single precision rounds such codes.
 MISSING_CODE_TOLERANCE = 1e-6
 _Length = TypeVar("_Length", float, Floats)
@@ -342,11 +342,13 @@ def _convert_heights(raw: RawHeights, options: ReadOptions) -> tuple[Floats, str
             steps.append(f"multiplied by {raw.factor:g} {unit}, as declared in the file")
         heights = _to_micrometres(numbers, unit)
         min_height, max_height = np.fmin.reduce(heights, axis=None), np.fmax.reduce(heights, axis=None)
-        while not (min_height >= -_MAX_LENGTH and max_height <= _MAX_LENGTH) and not np.isnan(min_height):
-            extreme_height = max_height if max_height > _MAX_LENGTH else min_height
+        while not (min_height >= -_MAX_PLAUSIBLE_LENGTH and max_height <= _MAX_PLAUSIBLE_LENGTH) and not np.isnan(
+            min_height
+        ):
+            extreme_height = max_height if max_height > _MAX_PLAUSIBLE_LENGTH else min_height
             is_missing = heights == extreme_height
             if is_missing.sum() < 2 or np.isinf(extreme_height):
-                num_outside = int((np.abs(heights) > _MAX_LENGTH).sum())
+                num_outside = int((np.abs(heights) > _MAX_PLAUSIBLE_LENGTH).sum())
                 raise FormatError(
                     f"contains an impossible height of {extreme_height:.3g} µm ({num_outside} such values); if it "
                     f"marks missing points, use --missing-value {extreme_height / LENGTH_UNITS[unit]:.6g}"
@@ -503,8 +505,8 @@ def _determine_profile_spacing(
     length_unit = _resolve_unit("positions", raw.position_unit, unit)
     with np.errstate(all="ignore"):
         x = _to_micrometres(raw.positions, length_unit)
-        if not np.isfinite(x).all() or np.abs(x).max() > _MAX_LENGTH:
-            point_index = int(np.flatnonzero(~(np.abs(x) <= _MAX_LENGTH))[0])
+        if not np.isfinite(x).all() or np.abs(x).max() > _MAX_PLAUSIBLE_LENGTH:
+            point_index = int(np.flatnonzero(~(np.abs(x) <= _MAX_PLAUSIBLE_LENGTH))[0])
             raise FormatError(
                 f"has no usable position at point {point_index}, counted from 0; each height must have a position"
             )

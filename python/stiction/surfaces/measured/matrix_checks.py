@@ -26,9 +26,9 @@ MAX_STATISTIC_DEVIATION = 2e-3
 MAX_WRAPPED_COLUMNS = 32
 MIN_WRAPPED_LINES = 3
 # Unless a map is more than this many times as likely as a wrapped profile, a matrix gets a caveat about wrapping.
-MAX_LIKELIHOOD_RATIO = 100.0
+MAX_MAP_TO_PROFILE_LIKELIHOOD_RATIO = 100.0
 # The search for wrapped profiles ignores heights at more than this many median deviations from the median height.
-MAX_DEVIATION_IN_LINES = 8.0
+MAX_HEIGHT_DEVIATION_IN_MEDIAN_DEVIATIONS = 8.0
 # In a wrapped profile, neighbours in a column have a larger mean square difference than neighbours in a line.
 MIN_COLUMN_TO_LINE_DIFFERENCE_RATIO = 2.0
 
@@ -194,7 +194,7 @@ def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
         return ()
     # Outliers and codes for missing points would dominate the mean square differences.
     deviations = np.abs(values - np.median(finite_values))
-    max_deviation = MAX_DEVIATION_IN_LINES * np.median(deviations[np.isfinite(values)])
+    max_deviation = MAX_HEIGHT_DEVIATION_IN_MEDIAN_DEVIATIONS * np.median(deviations[np.isfinite(values)])
     heights = np.where(deviations <= max_deviation, values, np.nan)
     steps_at_wrap = heights[1:, 0] - heights[:-1, -1]
     difference_along, difference_across, difference_at_wrap = (
@@ -209,7 +209,7 @@ def find_wrapped_profile_caveat(values: Floats) -> tuple[FileCaveat, ...]:
     log_likelihood_ratio = (
         num_wraps / 2 * (difference_at_wrap / difference_along * (1 - 1 / difference_ratio) - np.log(difference_ratio))
     )
-    if not log_likelihood_ratio <= np.log(MAX_LIKELIHOOD_RATIO):
+    if not log_likelihood_ratio <= np.log(MAX_MAP_TO_PROFILE_LIKELIHOOD_RATIO):
         return ()
     return (
         FileCaveat(

@@ -25,24 +25,25 @@ KNOWN_MISSING_CODES = frozenset(
     + [-(2**15), 2**15 - 1, 2**16 - 1, -(2**31), 2**31 - 1, 2**32 - 1]
 )
 MIN_DISTINCT_HEIGHTS = 5
-MAX_MISSING_CODES = 4
+MAX_MISSING_CODES_PER_EXTREME = 4
 MIN_CODE_TO_MEDIAN_DEVIATION_RATIO = 3.0
 MAX_SAMPLED_HEIGHTS = 65_536
 MIN_COMPARED_HEIGHTS = 20
-NUM_NEIGHBOURS = 12
+NUM_COMPARED_HEIGHTS_PER_SIDE = 12
 # A height is too frequent if its count is at least a · m + b · √m, with these a and b and the usual count m.
-# The usual count m of a height is the median count of the `NUM_NEIGHBOURS` next lower and next higher heights.
-MIN_REPEAT_RATIO, MIN_REPEAT_DEVIATIONS = 4.0, 6.0
-MIN_REPEAT_FRACTION, MAX_REPEAT_FRACTION = 0.005, 0.4
+# The usual count m of a height is the median count of the next lower and the next higher heights, whose number on each
+# side is `NUM_COMPARED_HEIGHTS_PER_SIDE`.
+MIN_RATIO_TO_USUAL_HEIGHT_COUNT, MIN_EXCESS_OVER_ROOT_OF_USUAL_HEIGHT_COUNT = 4.0, 6.0
+MIN_FRACTION_OF_REPEATED_HEIGHT, MAX_FRACTION_OF_REPEATED_HEIGHT = 0.005, 0.4
 # Zeros are too frequent if their count is at least 2 m + a · √(2 m) + b, with these a and b and the usual count m.
 # The usual count m of heights near 0 is the largest mean count of the nearest 1, 3 or 12 heights on each side of 0.
-MIN_ZERO_DEVIATIONS, MIN_ZEROS, NUM_NEAREST_HEIGHTS = 3.0, 4, (1, 3, 12)
+MIN_EXCESS_OVER_ROOT_OF_USUAL_ZERO_COUNT, MIN_EXCESS_ZERO_COUNT, NUM_HEIGHTS_COMPARED_WITH_ZERO = 3.0, 4, (1, 3, 12)
 # If a larger fraction of the rows of a map are repeated, the map is probably a profile that was extended along y.
-MAX_REPEATED_ROWS = 0.9
+MAX_FRACTION_OF_REPEATED_ROWS = 0.9
 # A run of equal heights in a profile gets a caveat if the probability that rounding causes it is at most 1e-4.
-MIN_EQUAL_RUN_LENGTH, MAX_RUN_PROBABILITY = 8, 1e-4
+MIN_EQUAL_RUN_LENGTH, MAX_PROBABILITY_OF_EQUAL_RUN = 8, 1e-4
 # If the height range in the header is too large by a power of 1000 (within 10 %), the unit of the heights is wrong.
-MAX_RATIO_TO_DECLARED_HEIGHT_RANGE, MAX_UNIT_FACTOR_DEVIATION, UNIT_FACTOR = 10.0, 0.1, 1000.0
+MAX_RATIO_TO_DECLARED_HEIGHT_RANGE, MAX_UNIT_FACTOR_DEVIATION, FACTOR_BETWEEN_UNITS = 10.0, 0.1, 1000.0
 MIN_CHECKED_POINTS = 20
 MIN_SPACING, MAX_SPACING, MAX_EXTENT = 1e-4, 1e4, 1e6  # µm
 
@@ -157,7 +158,8 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
         return []
     code_counts = sorted(
         itertools.product(
-            range(min(MAX_MISSING_CODES, len(low_codes)) + 1), range(min(MAX_MISSING_CODES, len(high_codes)) + 1)
+            range(min(MAX_MISSING_CODES_PER_EXTREME, len(low_codes)) + 1),
+            range(min(MAX_MISSING_CODES_PER_EXTREME, len(high_codes)) + 1),
         ),
         key=sum,
     )[1:]
@@ -187,7 +189,7 @@ def _find_missing_point_codes(scan: ScannedHeights) -> list[tuple[float, int, fl
         else MIN_REPEATED_CODE_DISTANCE
         if count_by_height[code] >= MIN_MISSING_CODE_REPEATS
         else math.inf
-        for code in {*low_codes[:MAX_MISSING_CODES], *high_codes[-MAX_MISSING_CODES:]}
+        for code in {*low_codes[:MAX_MISSING_CODES_PER_EXTREME], *high_codes[-MAX_MISSING_CODES_PER_EXTREME:]}
     }
     for code_groups, distances, other_range in reversed(candidates):
         codes = [*code_groups[0], *code_groups[1]]
@@ -210,20 +212,24 @@ def _find_repeated_heights(scan: ScannedHeights) -> Iterator[str]:
     height_count = int(repeat_counts.sum())
     if text := _describe_frequent_zeros(distinct_heights, repeat_counts):
         yield text
-    frequent_indices = np.flatnonzero(repeat_counts >= MIN_REPEAT_FRACTION * height_count)
+    frequent_indices = np.flatnonzero(repeat_counts >= MIN_FRACTION_OF_REPEATED_HEIGHT * height_count)
     for height_index in frequent_indices[
-        np.argsort(repeat_counts[frequent_indices])[::-1][:MAX_MISSING_CODES]
+        np.argsort(repeat_counts[frequent_indices])[::-1][:MAX_MISSING_CODES_PER_EXTREME]
     ].tolist():
         neighbours = np.delete(
-            repeat_counts[max(0, height_index - NUM_NEIGHBOURS) : height_index + NUM_NEIGHBOURS + 1],
-            min(height_index, NUM_NEIGHBOURS),
+            repeat_counts[
+                max(0, height_index - NUM_COMPARED_HEIGHTS_PER_SIDE) : height_index + NUM_COMPARED_HEIGHTS_PER_SIDE + 1
+            ],
+            min(height_index, NUM_COMPARED_HEIGHTS_PER_SIDE),
         )
         usual_count = float(np.median(neighbours))
         repeated_fraction = repeat_counts[height_index] / height_count
         if (
             distinct_heights[height_index] != 0
-            and repeat_counts[height_index] >= MIN_REPEAT_RATIO * usual_count + MIN_REPEAT_DEVIATIONS * usual_count**0.5
-            and repeated_fraction <= MAX_REPEAT_FRACTION
+            and repeat_counts[height_index]
+            >= MIN_RATIO_TO_USUAL_HEIGHT_COUNT * usual_count
+            + MIN_EXCESS_OVER_ROOT_OF_USUAL_HEIGHT_COUNT * usual_count**0.5
+            and repeated_fraction <= MAX_FRACTION_OF_REPEATED_HEIGHT
         ):
             repeated_number = float(f"{distinct_heights[height_index] / scan.factor:.12g}")
             yield (
@@ -242,16 +248,22 @@ def _describe_frequent_zeros(distinct_heights: Floats, counts: NDArray[np.int64]
     height_count = int(counts.sum())
     if zero_index == distinct_heights.size or distinct_heights[zero_index] != 0:
         return None
-    if not MIN_REPEAT_FRACTION <= counts[zero_index] / height_count <= MAX_REPEAT_FRACTION:
+    if not MIN_FRACTION_OF_REPEATED_HEIGHT <= counts[zero_index] / height_count <= MAX_FRACTION_OF_REPEATED_HEIGHT:
         return None
-    first_index, end_index = max(0, zero_index - NUM_NEIGHBOURS), zero_index + NUM_NEIGHBOURS + 1
+    first_index, end_index = (
+        max(0, zero_index - NUM_COMPARED_HEIGHTS_PER_SIDE),
+        zero_index + NUM_COMPARED_HEIGHTS_PER_SIDE + 1,
+    )
     near_counts, distances = counts[first_index:end_index], np.abs(distinct_heights[first_index:end_index])
     step = float(np.diff(distinct_heights[first_index:end_index]).min())
     usual_count = max(
         float(near_counts[(distances > 0) & (distances < (num_nearest + 0.5) * step)].sum()) / (2 * num_nearest)
-        for num_nearest in NUM_NEAREST_HEIGHTS
+        for num_nearest in NUM_HEIGHTS_COMPARED_WITH_ZERO
     )
-    if counts[zero_index] < 2 * usual_count + MIN_ZERO_DEVIATIONS * (2 * usual_count) ** 0.5 + MIN_ZEROS:
+    if (
+        counts[zero_index]
+        < 2 * usual_count + MIN_EXCESS_OVER_ROOT_OF_USUAL_ZERO_COUNT * (2 * usual_count) ** 0.5 + MIN_EXCESS_ZERO_COUNT
+    ):
         return None
     return (
         f"{100 * counts[zero_index] / height_count:.2g} % of the heights are exactly 0, which is "
@@ -270,7 +282,7 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
         longest_run = int(runs.max())
         equal_fraction = (scan.heights.size - runs.size - (longest_run - 1)) / scan.heights.size
         if MIN_EQUAL_RUN_LENGTH <= longest_run < scan.heights.size / 2 and (
-            scan.heights.size * equal_fraction ** (longest_run - 1) < MAX_RUN_PROBABILITY
+            scan.heights.size * equal_fraction ** (longest_run - 1) < MAX_PROBABILITY_OF_EQUAL_RUN
         ):
             yield f"{longest_run} heights in a row are equal, like points that were not measured"
     if (copies := _count_copies(scan.heights)) > 1:
@@ -286,12 +298,12 @@ def _find_repeated_rows(scan: ScannedHeights) -> Iterator[str]:
         rows = np.flatnonzero((lines[1:, :8] == lines[:-1, :8]).all(axis=1))
         is_repeated = (lines[rows + 1] == lines[rows]).all(axis=1) & (np.ptp(lines[rows + 1], axis=1) > 0)
         line_count = int(is_repeated.sum())
-        if 0 < line_count <= MAX_REPEATED_ROWS * lines.shape[0]:
+        if 0 < line_count <= MAX_FRACTION_OF_REPEATED_ROWS * lines.shape[0]:
             text = f"{line_count} of {lines.shape[0]} {kind} are equal to the {kind[:-1]} before"
             yield f"{text}, like {kind} that were not measured"
         flat_rows = np.flatnonzero((lines[:, :8] == lines[:, :1]).all(axis=1))
         line_count = int((np.ptp(lines[flat_rows], axis=1) == 0).sum())
-        if 0 < line_count <= MAX_REPEATED_ROWS * lines.shape[0]:
+        if 0 < line_count <= MAX_FRACTION_OF_REPEATED_ROWS * lines.shape[0]:
             yield f"{line_count} of {lines.shape[0]} {kind} have equal heights, like {kind} that were not measured"
 
 
@@ -361,8 +373,10 @@ def _find_contradicted_height_range(scan: ScannedHeights) -> Iterator[str]:
     if not scan.declared_range or not scan.height_range:
         return
     ratio = scan.height_range / scan.declared_range
-    steps = math.log(ratio, UNIT_FACTOR)
-    is_in_other_unit = round(steps) < 0 and abs(ratio / UNIT_FACTOR ** round(steps) - 1) < MAX_UNIT_FACTOR_DEVIATION
+    steps = math.log(ratio, FACTOR_BETWEEN_UNITS)
+    is_in_other_unit = (
+        round(steps) < 0 and abs(ratio / FACTOR_BETWEEN_UNITS ** round(steps) - 1) < MAX_UNIT_FACTOR_DEVIATION
+    )
     if ratio > MAX_RATIO_TO_DECLARED_HEIGHT_RANGE or is_in_other_unit:
         height_range, declared_range = (
             format_with_unit(scan.height_range, "µm"),

@@ -49,18 +49,18 @@ Positions stored in single precision have such deviations, which have no visible
 
 MIN_MATRIX_COLUMNS = 4
 MAX_TABLE_GRID_POINTS = 100_000_000
-MAX_LISTED_NAMES = 12
+MAX_LISTED_COLUMN_NAMES = 12
 MAX_SELECTED_PROFILE_COLUMNS = 3  # x, y and z
 MIN_JITTERED_POSITIONS = 8
 MAX_RELATIVE_STEP_DEVIATION = 0.5
 MIN_TILT_CORRELATION = 0.98
 # A column's first number gets a caveat if it has at least two decimals fewer than each of this many next numbers.
-MIN_COMPARED_NUMBERS = 20
+MIN_NUMBERS_AFTER_FIRST_NUMBER = 20
 # Minimum step of evenly spaced numbers, in units of the last digit. Smaller rounded steps may be equal by chance.
 MIN_STEP_IN_LAST_DIGITS = 3.0
 NameOrIndex = str | int
 
-_NUMBERING_NAME_PATTERN = LazyPattern(
+_INDEX_COLUMN_NAME_PATTERN = LazyPattern(
     r"|index|idx|unnamed: ?0|(?:lfd\.? ?)?(?:no\.?|nr\.?|number|num|nummer|n[úu]mero|n°)|#|n|i|id|seq|"
     r"(?:data ?)?points?|pt\.?|番号|序号|번호|номер|"
     r"(?:mess)?punkt\w*|"
@@ -71,7 +71,7 @@ _NUMBERING_NAME_PATTERN = LazyPattern(
 _VALIDITY_COLUMN_PATTERN = LazyPattern(r"\W*(?:valid\w*|gültig\w*|is[ _]?valid|ok|1/0)\b.*|.*[\[(]1/0[\])]", re.I)
 _INVALIDITY_COLUMN_PATTERN = LazyPattern(r"\W*(?:invalid\w*|ungültig\w*|is[ _]?invalid)\b.*", re.I)
 # This pattern matches names of flag columns that do not say whether 1 means valid or invalid.
-_FLAG_COLUMN_PATTERN = LazyPattern(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
+_AMBIGUOUS_FLAG_COLUMN_PATTERN = LazyPattern(r"\W*(?:flags?|status|0/1)\b.*|.*[\[(]0/1[\])]", re.I)
 # This pattern matches a multiple of a unit, such as "10 nm" but not "1 nm".
 _NUMBERED_UNIT_PATTERN = LazyPattern(r"(?!1(?:[.,]0*)?\s*[^\W\d_]+$)(?=.*[0-9]).+")
 _RAW_HEIGHTS_PATTERN = LazyPattern(r"\W*(?:z|heights?|höhe\w*|profile?|topography)(?:[ _-]?a\w+)?[\W_]*raw\W*", re.I)
@@ -155,8 +155,14 @@ def format_name_list(names: Sequence[str], numbers: Sequence[int] | None = None)
     """Format the first few names of columns or channels, each with its number, for an error message."""
     numbers = range(len(names)) if numbers is None else numbers
     numbered_names = list(zip(numbers, names, strict=True))
-    shown_names = ", ".join(f"{index} ({printable_text(name)})" for index, name in numbered_names[:MAX_LISTED_NAMES])
-    return f"{shown_names} and {len(names) - MAX_LISTED_NAMES} more" if len(names) > MAX_LISTED_NAMES else shown_names
+    shown_names = ", ".join(
+        f"{index} ({printable_text(name)})" for index, name in numbered_names[:MAX_LISTED_COLUMN_NAMES]
+    )
+    return (
+        f"{shown_names} and {len(names) - MAX_LISTED_COLUMN_NAMES} more"
+        if len(names) > MAX_LISTED_COLUMN_NAMES
+        else shown_names
+    )
 
 
 # ---- Columns --------------------------------------------------------------------------------------------------------
@@ -371,7 +377,7 @@ def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
     """
     if (
         table.values.shape != (table.values.size, 1)
-        or table.values.size < MIN_COMPARED_NUMBERS + 1
+        or table.values.size < MIN_NUMBERS_AFTER_FIRST_NUMBER + 1
         or table.row_digits is None
     ):
         return ()
@@ -383,7 +389,7 @@ def _find_first_number_caveat(table: ColumnTable) -> tuple[FileCaveat, ...]:
             text = f"{place_text}, {heights.size}, is the count of the others"
             return (FileCaveat("first-number", text, "delete it if it is a count instead of a height, or accept it"),)
     first_digit_value, *following_digit_values = (
-        float(table.row_digits(index)[0]) for index in range(MIN_COMPARED_NUMBERS + 1)
+        float(table.row_digits(index)[0]) for index in range(MIN_NUMBERS_AFTER_FIRST_NUMBER + 1)
     )
     if len(set(following_digit_values)) > 1 or not first_digit_value > 50 * following_digit_values[0]:
         return ()
@@ -429,7 +435,9 @@ def _find_position_caveat(
 def _find_numbering_caveat(table: ColumnTable, positions: Floats, place: int) -> tuple[FileCaveat, ...]:
     """Return a caveat if a column used as positions may contain point numbers."""
     name = table.names[place] if table.names else ""
-    if _list_column_units(table)[place] is not None or (name and not _NUMBERING_NAME_PATTERN.fullmatch(name.strip())):
+    if _list_column_units(table)[place] is not None or (
+        name and not _INDEX_COLUMN_NAME_PATTERN.fullmatch(name.strip())
+    ):
         return ()
     if positions.size < 4 or not np.isfinite(positions).all():
         return ()
@@ -478,7 +486,7 @@ def _replace_words_by_missing(table: ColumnTable, columns: Sequence[NameOrIndex]
             chosen_columns = [
                 numbers[place]
                 for place in other_places
-                if not (table.names and _NUMBERING_NAME_PATTERN.fullmatch(table.names[place]))
+                if not (table.names and _INDEX_COLUMN_NAME_PATTERN.fullmatch(table.names[place]))
             ]
             example = ",".join(map(str, chosen_columns[:MAX_SELECTED_PROFILE_COLUMNS]))
             raise FormatError(
@@ -513,7 +521,7 @@ def _apply_flag_column(table: ColumnTable, columns: Sequence[NameOrIndex] | None
         flags = table.values[:, place]
         flag_meanings = [
             pattern.fullmatch(name.strip()) is not None
-            for pattern in (_VALIDITY_COLUMN_PATTERN, _INVALIDITY_COLUMN_PATTERN, _FLAG_COLUMN_PATTERN)
+            for pattern in (_VALIDITY_COLUMN_PATTERN, _INVALIDITY_COLUMN_PATTERN, _AMBIGUOUS_FLAG_COLUMN_PATTERN)
         ]
         if table.values.shape[1] < 2 or not any(flag_meanings) or not np.isin(flags, (0.0, 1.0)).all():
             continue
@@ -583,7 +591,7 @@ def _remove_numbering(table: ColumnTable) -> tuple[ColumnTable, tuple[str, ...]]
     Returns the table and, if numbers were removed, a history entry.
     """
     rows, columns = table.values.shape
-    if columns > 1 and table.names and _NUMBERING_NAME_PATTERN.fullmatch(table.names[0].strip()):
+    if columns > 1 and table.names and _INDEX_COLUMN_NAME_PATTERN.fullmatch(table.names[0].strip()):
         first_number = table.values[0, 0]
         if first_number not in (0.0, 1.0) or not np.array_equal(table.values[:, 0], first_number + np.arange(rows)):
             return table, ()
@@ -833,7 +841,8 @@ def _describe_missing_information(table: ColumnTable) -> str:
         declared.spacing is None
         and declared.spacings is None
         and not any(
-            has_equal_steps(table.values[:, index]) for index in range(min(table.values.shape[1], MAX_LISTED_NAMES))
+            has_equal_steps(table.values[:, index])
+            for index in range(min(table.values.shape[1], MAX_LISTED_COLUMN_NAMES))
         )
     ):
         requirements.append("the spacing is required for heights without positions (--spacing)")

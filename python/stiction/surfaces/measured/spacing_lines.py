@@ -41,10 +41,10 @@ cell separator.
 """
 
 _BRACKETED_UNIT_PATTERN = r"\s*(?:[\[(]([^\])]{1,12})[\])])?"
-_STEP_NAMES = r"spacing|step(?:[ _-]?size)?|increment|interval|resolution|pixel[ _-]?size|pitch"
+_SPACING_WORDS = r"spacing|step(?:[ _-]?size)?|increment|interval|resolution|pixel[ _-]?size|pitch"
 _SPACING_PATTERN = LazyPattern(
     r"\W*((?:(?:measurement|measuring|x|lateral|horizontal|sampl\w*|point|data|scan|pixel)[\s_-]*)*)"
-    rf"({_STEP_NAMES}|dx|Schrittweite|Punktabstand|Messpunktabstand|Abstand|Pixelgr(?:ö|oe)(?:ß|ss)e)"
+    rf"({_SPACING_WORDS}|dx|Schrittweite|Punktabstand|Messpunktabstand|Abstand|Pixelgr(?:ö|oe)(?:ß|ss)e)"
     rf"{_BRACKETED_UNIT_PATTERN}\s*[:=,;\t ]\s*(?={DECLARED_NUMBER_PATTERN})(.*)",
     re.IGNORECASE,
 )
@@ -75,7 +75,7 @@ _LENGTHS_PATTERN = LazyPattern(
 _ROW_SPACING_NAMES = r"(?:row|line|track|trace|profile)[\s_-]*(?:spacing|step|pitch|interval|distance)|Zeilenabstand|"
 _AXIS_SPACING_PATTERNS = {
     axis: LazyPattern(
-        rf"\W*(?:{axis}[\s_-]*(?:{_STEP_NAMES}|scale|direction)|d{axis}|{other_names}"
+        rf"\W*(?:{axis}[\s_-]*(?:{_SPACING_WORDS}|scale|direction)|d{axis}|{other_names}"
         rf"(?:spacing|step|pitch|pixel[ _-]?size)[\s_-]*(?:in |along )?{axis})"
         rf"{_BRACKETED_UNIT_PATTERN}{SEPARATOR_PATTERN}({DECLARED_NUMBER_PATTERN}){_SPACE_BEFORE_UNIT_PATTERN}[\"']?"
         rf"({UNIT_PATTERN})?(?:\s*(?:/|per\b)\s*(?:{_POINT_WORDS})\b)?(?!\s*(?:/|per\b))",
@@ -84,7 +84,7 @@ _AXIS_SPACING_PATTERNS = {
     for axis, other_names in (("y", _ROW_SPACING_NAMES), ("x", ""))
 }
 _NEXT_DECLARATION_PATTERN = LazyPattern(
-    rf"[\s,;]+(?=(?:[xy][\s_-]*(?:{_STEP_NAMES})|d[xy]|(?:spacing|step|pitch)[\s_-]*(?:in |along )?[xy])\s*[:=(\[])",
+    rf"[\s,;]+(?=(?:[xy][\s_-]*(?:{_SPACING_WORDS})|d[xy]|(?:spacing|step|pitch)[\s_-]*(?:in |along )?[xy])\s*[:=(\[])",
     re.IGNORECASE,
 )
 """Regular expression for the text between two spacings in one line, as in "dx = 0.5 um, dy = 10 um"."""

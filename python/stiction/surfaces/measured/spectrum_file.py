@@ -28,7 +28,7 @@ _SCAN_LINE_PATTERN = re.compile(
 _HASH_LINE_PATTERN = re.compile(r"^#.*\n?", re.MULTILINE)
 _NUM_BYTES_WITH_COLUMN_NAMES = 100_000
 # Wave numbers in files are rounded, so ln(ratio of successive wave numbers) may vary by this fraction of its mean.
-_RATIO_TOLERANCE = 1e-3
+_WAVE_NUMBER_RATIO_TOLERANCE = 1e-3
 
 
 def write_spectrum(spectrum: JoinedSpectrum, path: str | os.PathLike[str]) -> None:
@@ -189,7 +189,7 @@ def read_spectrum(path: str | os.PathLike[str]) -> JoinedSpectrum:
     if (
         not log_steps.size
         or not (log_steps > 0).all()
-        or np.ptp(log_steps) > _RATIO_TOLERANCE * log_steps.mean() + 1e-12
+        or np.ptp(log_steps) > _WAVE_NUMBER_RATIO_TOLERANCE * log_steps.mean() + 1e-12
     ):
         raise FormatError(
             f"{printable_path(path)} is not a spectrum, because {WAVE_NUMBER_COLUMN!r} is not an increasing geometric "

@@ -28,7 +28,7 @@ from stiction.surfaces.measured.raw import FormatError
 
 _MAX_SAMPLE_LINES = 60
 _MAX_SAMPLE_CHARACTERS = 10_000
-_MIN_SAMPLED_LINE_LENGTH = 200
+_MIN_CHARACTERS_PER_SAMPLED_LINE = 200
 MAX_SAMPLED_ROWS = 20_000
 MAX_CELLS_IN_COUNT_LINE = 2
 _QUOTED_SEPARATOR = "\x1f"
@@ -189,7 +189,7 @@ def detect_dialect(text: DecodedText, first: int, last: int) -> Dialect:
         np.concatenate([np.arange(max(first, last + 1 - _MAX_SAMPLE_LINES), last + 1), np.arange(first, first + 40)])
     )
     sample_lines = sample_lines[sample_lines <= last]
-    max_sample_length = max(_MIN_SAMPLED_LINE_LENGTH, _MAX_SAMPLE_CHARACTERS // sample_lines.size)
+    max_sample_length = max(_MIN_CHARACTERS_PER_SAMPLED_LINE, _MAX_SAMPLE_CHARACTERS // sample_lines.size)
     sample = [_truncate_line(text.line(item), max_sample_length) for item in sample_lines.tolist()]
     sample = [line for line in sample if line.strip("\t")]
     has_quotes = any('"' in line for line in sample)

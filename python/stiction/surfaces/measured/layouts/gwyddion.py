@@ -50,7 +50,7 @@ def _are_channel_comments(comments: Sequence[str]) -> bool:
     )
 
 
-def _apply_channel_comments(table: ColumnTable, comments: Sequence[str]) -> ColumnTable:
+def _set_channel_data_from_comments(table: ColumnTable, comments: Sequence[str]) -> ColumnTable:
     width, height = (_LENGTH_COMMENT_PATTERN.fullmatch(line) for line in comments[1:3])
     assert width is not None
     assert height is not None
@@ -73,7 +73,7 @@ def _apply_channel_comments(table: ColumnTable, comments: Sequence[str]) -> Colu
 def _read(text: DecodedText) -> ReaderResult:
     content = parse_table(text)
     if isinstance(content, ColumnTable):
-        return _apply_channel_comments(content, _parse_channel_comments(text.first_lines))
+        return _set_channel_data_from_comments(content, _parse_channel_comments(text.first_lines))
     assert isinstance(content, HeightChannels)
     read_block = content.read
 
@@ -85,7 +85,7 @@ def _read(text: DecodedText) -> ReaderResult:
         header_start = first
         while header_start > 0 and text.line(header_start - 1).startswith("#"):
             header_start -= 1
-        return _apply_channel_comments(table, _parse_channel_comments(text.nonempty_lines(header_start, first)))
+        return _set_channel_data_from_comments(table, _parse_channel_comments(text.nonempty_lines(header_start, first)))
 
     return replace(content, read=read_channel_table)
 
