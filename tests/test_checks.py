@@ -36,7 +36,7 @@ def test_integer_and_choice_checks_accept_zero_dimensional_arrays():
             check_choice("sliding", value, SlidingRule)
 
 
-def test_effective_modulus_of_scalars_is_a_float():
+def test_effective_modulus_computed_from_scalar_inputs_is_a_float():
     assert type(effective_modulus(210, 0.3, 210, 0.3)) is float
     moduli_from_arrays = effective_modulus([210, 70], 0.3, 210, 0.3)
     assert isinstance(moduli_from_arrays, np.ndarray)

@@ -155,7 +155,7 @@ def test_python_block_of_a_page_can_be_pasted_into_an_interactive_prompt(page):
 
 
 @parametrize_pages(PAGE_FILES)
-def test_hidden_code_cell_starts_with_a_comment_that_the_cell_serves_only_the_built_page(page):
+def test_hidden_code_cell_starts_with_a_comment_that_only_the_html_page_needs_the_cell(page):
     for block in find_code_blocks(page):
         options = re.match(NOTEBOOK_CELL_OPTIONS, block.text)
         if block.kind in LANGUAGES_RUN_BY_DOCS_BUILD and options and re.search("remove-(cell|input)", options[0]):

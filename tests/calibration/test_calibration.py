@@ -1181,14 +1181,14 @@ def test_soft_ball_has_an_uncertain_area_loss_by_default() -> None:
         {"upper_material": "PMMA", "lower_material": "glass"},
     ],
 )
-def test_copy_of_a_ball_with_another_radius_keeps_the_ranges_of_its_inputs(arguments: dict[str, Any]) -> None:
+def test_changing_the_radius_of_a_ball_copy_keeps_its_input_ranges(arguments: dict[str, Any]) -> None:
     ball = replace(Ball("5 mm", **arguments), radius="2 mm")
     assert ball == Ball("2 mm", **arguments)
     assert repr(ball) == repr(Ball("2 mm", **arguments))
     assert ball.moduli.inputs
 
 
-def test_copy_of_a_ball_with_another_modulus_has_the_area_loss_for_the_new_modulus() -> None:
+def test_changing_the_modulus_of_a_ball_copy_updates_its_area_loss() -> None:
     assert replace(SOFT_BALL, effective_modulus="3 GPa") == BALL
     assert replace(SOFT_BALL, effective_modulus="3 GPa", area_loss=0.1).lost_fraction == 0.1
 

@@ -284,7 +284,7 @@ def test_prediction_interval_does_not_widen_if_tests_of_the_same_pair_are_added(
     assert widths[-1] < widths[0]
 
 
-def test_planned_tests_of_a_pair_keep_the_common_error_and_are_combined_with_the_existing_tests() -> None:
+def test_planned_tests_of_a_pair_share_the_common_error_of_its_existing_tests() -> None:
     result, widths, planned_widths = press_pair(RMS_HEIGHT_OF_TESTED_PAIR), {}, {}
     for common in (0.0, 0.05):
         tests = [FrictionTest(result, "20 MPa", coefficient=0.25, uncertainty=0.005) for _ in range(4)]
@@ -298,7 +298,7 @@ def test_planned_tests_of_a_pair_keep_the_common_error_and_are_combined_with_the
     assert planned_widths[0.05] == pytest.approx(2 * 1.96 * 0.25 * math.hypot(0.05, 0.02 / math.sqrt(8)), rel=0.1)
 
 
-def test_plans_for_a_law_from_a_file_keep_the_common_error_of_its_tests(tmp_path) -> None:
+def test_planned_tests_share_the_common_error_of_the_tests_in_an_interface_file(tmp_path) -> None:
     result = press_pair(RMS_HEIGHT_OF_TESTED_PAIR)
     test = FrictionTest(result, "20 MPa", coefficient=0.25, uncertainty=0.005)
     write_interface(calibrate([test] * 4, common=0.1, sliding="all"), tmp_path / "film")

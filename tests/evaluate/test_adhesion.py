@@ -167,7 +167,7 @@ def test_roughness_contribution_is_undefined_for_adhesive_pairs(adhesive_result)
         assert point.roughness_contribution is None
 
 
-def test_result_at_zero_load_states_whether_the_surfaces_adhere(adhesive_result):
+def test_result_text_at_zero_load_states_whether_the_surfaces_adhere(adhesive_result):
     unloaded_result, two_load_result = (run_pair(load=load, **ADHESION_OPTIONS) for load in (0, ["0", "20 MPa"]))
     (unloaded_point,) = unloaded_result.summary().points
     assert unloaded_point.is_unloaded
@@ -378,7 +378,7 @@ def test_estimated_effect_of_adhesion_agrees_with_adhesive_solutions():
 
 
 @pytest.mark.filterwarnings("ignore:the pull-off force is at least")
-def test_complete_contact_is_reported_in_text_and_table_and_json_output(tmp_path):
+def test_text_and_table_and_json_output_report_complete_contact(tmp_path):
     soft_result = run_pair(
         effective_modulus="2 MPa", load="1 MPa", tau0="0.1 MPa", adhesion_range="25 nm", **ADHESION_OPTIONS
     )

@@ -598,7 +598,7 @@ def test_interpolation_error_midway_between_loads_equals_its_closed_form():
     assert means == pytest.approx([0.0, -(0.75**0.5), 0.75**0.5])
 
 
-def test_at_accepts_the_texts_of_the_command_line(areal_study_and_dataset):
+def test_at_method_accepts_the_strings_that_the_at_command_accepts(areal_study_and_dataset):
     result = Result.of(areal_study_and_dataset[1])
     loads = result.study.contact.loading_steps()[[1, 2]]
     load_texts = [f"{load!r} mN" for load in loads.tolist()]
@@ -623,7 +623,7 @@ def test_at_accepts_the_texts_of_the_command_line(areal_study_and_dataset):
             result.at(**arguments)
 
 
-def test_at_names_the_nearest_quantity_to_an_unknown_name(areal_study_and_dataset):
+def test_at_method_suggests_the_nearest_name_of_an_unknown_quantity(areal_study_and_dataset):
     result = Result.of(areal_study_and_dataset[1])
     assert "contact_area" in list(result.at())
     with pytest.raises(ValueError, match=r"list\(result.at\(\)\), got 'contactarea'; did you mean 'contact_area'\?"):

@@ -74,7 +74,7 @@ def test_prediction_interval_has_the_degrees_of_freedom_of_the_direction_with_fe
     assert np.log(intervals.predict_percentiles()) == pytest.approx(np.log(percentiles), abs=QUANTILE_ERROR)
 
 
-def test_prediction_interval_includes_the_roughness_drift_of_the_mean_and_of_the_new_test():
+def test_prediction_interval_includes_the_effect_of_roughness_drift_on_the_mean_and_on_the_new_test():
     intervals = build_intervals(drifts={UPPER_SCANS_INPUT_NAME: 0.1}, half_width=1e-6)
     limits = norm.ppf([0.025, 0.975])
     assert log_width(intervals.interval()) == pytest.approx(0.1 * np.ptp(limits), rel=QUANTILE_ERROR)

@@ -173,7 +173,7 @@ def find_area_ratios(result):
     return area_before_shear / float(solved), area_at_onset / area_before_shear
 
 
-def test_adhesive_part_of_the_normal_load_grows_with_the_contact_area(growth_result):
+def test_adhesive_contribution_to_the_normal_load_increases_with_contact_area_under_shear(growth_result):
     area_ratio, growth = find_area_ratios(growth_result)
     assert growth > 1.1
     ratio = -0.1 / (area_ratio * INTERFACE_STRENGTH["tau0"])

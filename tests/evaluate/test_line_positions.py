@@ -153,7 +153,7 @@ def test_slider_is_shortened_to_fit_on_the_counterface_at_the_last_position(prof
     assert float(result.dataset["nominal_area"]) == pytest.approx(18.0)
 
 
-def test_stiffness_of_two_circular_arcs_in_contact_equals_hertz_solution(create_circular_arc):
+def test_contact_stiffness_of_two_circular_arcs_equals_hertz_solution(create_circular_arc):
     upper, lower = (create_circular_arc(0.5003, 1.0, 1e-3, 1001, side) for side in ("upper", "lower"))
     load = 0.01
     member = read_member_values(run_pair(upper, lower, [load], mu0=0.0)).isel(x=0, load=0)

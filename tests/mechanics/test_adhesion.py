@@ -435,7 +435,7 @@ def test_pull_off_force_is_a_lower_bound_if_the_energy_minimization_does_not_con
     [create_rough_bodies(1e-3, 5e-5), create_rough_bodies(3e-3, 5e-5, modulus=2.0, length=2e-3)],
     ids=["hard", "soft"],
 )
-def test_work_of_loading_and_unloading_equals_the_change_in_energy(case):
+def test_work_done_in_loading_and_unloading_equals_the_change_in_energy(case):
     """Check that the work over a closed loop is the energy lost in jumps, which is 0 without jumps."""
     bodies, adhesion_options = case
     area, unloaded_curve = 0.64**2, half_space(*bodies, [0.0], boundary="periodic", **adhesion_options)

@@ -816,7 +816,7 @@ def test_load_fraction_of_overlapping_contact_ellipses_is_reported():
     assert np.allclose(curve.validity.share_overlapping, [0, 0, 2 / 3, 2 / 3], atol=0.02)
 
 
-def test_load_on_a_valley_longer_than_the_map_tends_to_the_load_of_a_line_contact():
+def test_load_in_a_long_valley_of_the_gap_approaches_the_load_of_a_line_contact():
     y, x = np.meshgrid((np.arange(41) - 20.3) * 0.05, (np.arange(81) - 40.3) * 0.02, indexing="ij")
     flat = Surface(np.zeros_like(x), spacing=(0.05, 0.02))
     load = []

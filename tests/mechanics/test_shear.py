@@ -83,7 +83,7 @@ def test_friction_of_a_sawtooth_is_the_tangent_of_friction_angle_plus_tooth_angl
     assert result.attrs["peak_dilation_angle_deg"] == pytest.approx(10, abs=0.1)
 
 
-def test_coarse_sawtooth_has_the_friction_of_rounded_tips():
+def test_coarsely_sampled_sawtooth_has_the_friction_of_a_sawtooth_with_rounded_tips():
     result = run_shear_test(create_sawtooth(200), path="25 um", steps=5, mu0=0.5, boundary="periodic")
     assert result.friction_coefficient[[0, 1, 5]].values == pytest.approx([0.500, 0.727, 0.722], abs=1e-3)
     smooth_result = run_shear_test(create_sawtooth(200), path="5 um", steps=1, mu0=0, boundary="periodic")
@@ -112,7 +112,7 @@ def test_sawtooth_faces_with_steep_teeth_lock():
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
-def test_work_to_shear_profiles_without_friction_is_dilation_work_plus_elastic_energy(boundary):
+def test_work_of_frictionless_shear_of_profiles_is_dilation_work_plus_elastic_energy(boundary):
     result = run_shear_test(create_wavy_profile(), path="30 um", steps=120, mu0=0, load="10 MPa", boundary=boundary)
     work, dilation_work, energy = integrate_work(result)
     assert work > 0
@@ -120,7 +120,7 @@ def test_work_to_shear_profiles_without_friction_is_dilation_work_plus_elastic_e
 
 
 @pytest.mark.parametrize("angle", [0, 90, 225])
-def test_work_to_shear_maps_without_friction_is_dilation_work_plus_elastic_energy(angle):
+def test_work_of_frictionless_shear_of_maps_is_dilation_work_plus_elastic_energy(angle):
     result = run_shear_test(create_rough_map(), path="300 um", steps=20, mu0=0, direction=angle, boundary="periodic")
     work, dilation_work, energy = integrate_work(result)
     assert work == pytest.approx(
@@ -128,7 +128,7 @@ def test_work_to_shear_maps_without_friction_is_dilation_work_plus_elastic_energ
     )
 
 
-def test_work_of_shear_without_friction_is_dilation_work_plus_elastic_energy_if_an_edge_climbs():
+def test_work_of_frictionless_shear_over_a_climbing_edge_is_dilation_work_plus_elastic_energy():
     x = np.linspace(-1, 1, 401)
     bowl = Profile(4 * x**2, spacing=0.25)
     result = run_shear_test(bowl, path="30 um", steps=60, mu0=0)
@@ -188,7 +188,7 @@ def test_normal_load_of_a_shear_test_is_constant_although_friction_has_a_vertica
     )
 
 
-def test_normal_stiffness_increases_the_load_of_a_shear_test_with_the_dilation():
+def test_normal_load_of_a_shear_test_grows_with_dilation_if_a_normal_stiffness_is_given():
     result = run_shear_test(create_rough_map(), path="200 um", steps=4, mu0=0.6, normal_stiffness="50 MPa/mm")
     area = float(result.overlap_area[0])
     np.testing.assert_allclose(result.normal_load, 1000.0 + 5e-5 * area * result.dilation, rtol=1e-4)

@@ -102,7 +102,7 @@ def test_free_tilt_moves_the_summit_of_a_ball_to_the_middle(is_areal):
     assert np.isfinite(curve.closure).all()
 
 
-def test_free_tilt_centres_the_resultant_force_on_a_single_contact_point():
+def test_resultant_force_on_a_single_contact_point_is_centred_if_tilt_is_free():
     x = (np.arange(65) - 32) * 0.1
     ball = Surface(-((x - 1.3) ** 2) / 40 - x[:, np.newaxis] ** 2 / 40, spacing=0.1)
     curve = half_space(Surface(0 * ball.heights, spacing=0.1), ball, [1e-9], tilt="free")

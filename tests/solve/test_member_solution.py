@@ -194,7 +194,7 @@ def test_estimated_solution_time_of_maps_is_doubled_by_a_free_boundary(tmp_path,
 
 
 @pytest.mark.parametrize("estimate", [estimate_member_time, estimate_member_iterations])
-def test_estimates_for_large_maps_with_elastic_area_are_about_double(tmp_path, monkeypatch, estimate):
+def test_estimated_work_for_large_maps_is_about_doubled_by_the_elastic_area(tmp_path, monkeypatch, estimate):
     study = create_half_space_study(tmp_path, monkeypatch, 1536**2, hardness="1 GPa", yield_exponent=0.5)
     with_elastic_area, with_unloading, other = (estimate(study, member) for member in (0, 3, 5))
     assert with_elastic_area == pytest.approx(2.15 * other, rel=0.05)
@@ -205,7 +205,7 @@ def test_estimates_for_large_maps_with_elastic_area_are_about_double(tmp_path, m
 
 
 @pytest.mark.parametrize("options", [{}, {"hardness": "1 GPa", "work_of_adhesion": "50 mJ/m^2"}])
-def test_estimates_are_equal_for_all_members_without_hardness_or_with_adhesion(tmp_path, monkeypatch, options):
+def test_estimated_work_is_equal_for_all_members_without_hardness_or_with_adhesion(tmp_path, monkeypatch, options):
     study = create_half_space_study(tmp_path, monkeypatch, 512**2, **options)
     for estimate in (estimate_member_time, estimate_member_iterations):
         assert estimate(study, 0) == estimate(study, 5) == estimate(study, None) > 0

@@ -241,7 +241,7 @@ def test_progress_weights_members_by_their_expected_iterations(study):
 
 
 @pytest.mark.parametrize("study", [(LOADS, True)], indirect=True)
-def test_record_counts_each_stiffness_once(study, monkeypatch):
+def test_solution_record_counts_the_iterations_of_each_stiffness_once(study, monkeypatch):
     """The study fixture limits each call of the core to one load, so that the stiffnesses are computed one by one."""
     record = SolutionRecord()
     curve = half_space.half_space(*get_first_pair(study), [0.5, 1.0], effective_modulus=100.0, record=record)

@@ -33,7 +33,7 @@ def test_run_divided_into_parts_gives_a_complete_result(tmp_path, uninterrupted_
     assert not list(tmp_path.rglob("*.partial"))
 
 
-def test_runs_divided_into_different_numbers_of_parts_together_give_a_complete_result(tmp_path, uninterrupted_dataset):
+def test_parts_of_runs_with_different_part_counts_combine_to_a_complete_result(tmp_path, uninterrupted_dataset):
     compute_missing_blocks(with_repetitions(10), tmp_path, part=(1, 2))
     compute_missing_blocks(TINY_STUDY, tmp_path, part=(3, 5))
     compute_missing_blocks(TINY_STUDY, tmp_path, part=(1, 1))

@@ -130,7 +130,9 @@ def test_study_of_a_pair_of_materials_contains_the_ranges_of_both_materials():
     (("steel", "grey cast iron"), "180 HV ± 10 %", "the hardness of the softer body"),
     (("steel", "steel"), "180 HV ± 10 %", "the hardness of the mild steel"),
 ])  # fmt: skip
-def test_label_of_a_given_hardness_names_a_material_only_if_both_bodies_have_it(materials, hardness, label):
+def test_label_of_a_given_hardness_names_a_material_only_if_both_bodies_are_of_that_material(
+    materials, hardness, label
+):
     upper, lower = materials
     study = compute_pair(upper=upper, lower=lower, hardness=hardness).study
     assert Inputs.from_study(study).entries["hardness"].label == label

@@ -239,7 +239,7 @@ def test_study_keeps_the_caveats_of_an_interface_whose_file_was_moved_or_deleted
         ]
 
 
-def test_study_of_an_older_version_does_not_know_the_caveats_of_an_interface_whose_file_was_removed(
+def test_caveats_of_an_interface_are_unknown_in_an_older_study_whose_interface_file_was_removed(
     tmp_path, film_file
 ) -> None:
     copy = Path(shutil.copy(film_file, tmp_path))

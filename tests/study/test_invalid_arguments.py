@@ -88,12 +88,12 @@ def assert_one_sentence(name, call):
 
 
 @pytest.mark.parametrize("case", INVALID_CALLS)
-def test_functions_reject_arguments_of_wrong_types_with_a_message_of_one_sentence(case):
+def test_public_functions_reject_arguments_of_wrong_types_with_a_message_of_one_sentence(case):
     assert_one_sentence(*INVALID_CALLS[case])
 
 
 @pytest.mark.parametrize("value", [ONE_LOAD, 1.5, "nothing", None, b"1", np.zeros(2), RAGGED_LIST, lambda: 1])
-def test_methods_reject_arguments_of_wrong_types_with_a_message_of_one_sentence(result, calibrated_film, value):
+def test_public_methods_reject_arguments_of_wrong_types_with_a_message_of_one_sentence(result, calibrated_film, value):
     assert_one_sentence("names", lambda: result.means(value))
     assert_one_sentence("names", lambda: list(result.pieces([value])))
     assert_one_sentence("quantities", lambda: result.at(0.1, quantities=[value]))

@@ -13,7 +13,7 @@ STUDIES_BY_PLURAL = {
 
 
 @pytest.mark.parametrize("plural", STUDIES_BY_PLURAL)
-def test_word_for_pairs_or_positions_in_output_depends_on_the_kind_of_study(plural):
+def test_output_calls_members_pairs_or_positions_depending_on_the_kind_of_study(plural):
     study = STUDIES_BY_PLURAL[plural]
     singular = study.member_names.singular
     assert (study.member_names.with_count(1), study.member_names.with_count(2.0)) == (f"1 {singular}", f"2 {plural}")

@@ -95,7 +95,7 @@ class TestBuiltInStudies:
         assert contact.loading_steps()[[0, -1]].tolist() == pytest.approx([1e-4, 0.04])
 
     @pytest.mark.parametrize("name", study_names())
-    def test_study_is_unchanged_by_a_toml_round_trip(self, name, tmp_path):
+    def test_study_is_unchanged_by_writing_and_parsing_its_toml_text(self, name, tmp_path):
         study = Study.named(name)
         file = tmp_path / "study.toml"
         file.write_text(study.to_toml(), encoding="utf-8")
@@ -233,7 +233,7 @@ class TestStudyKinds:
         "study",
         [SURFACE_STUDY, SELF_AFFINE_STUDY, HALF_SPACE_STUDY, PLASTIC_STUDY, MEASURED_AREA_STUDY, MEASURED_LINE_STUDY],
     )
-    def test_study_is_unchanged_by_text_and_pickle_round_trips(self, study):
+    def test_study_is_unchanged_by_writing_and_parsing_its_text_and_by_pickling(self, study):
         assert parse_study(study.to_toml(), "text") == study
         assert pickle.loads(pickle.dumps(study)) == study
         assert study.with_changes({}) == study

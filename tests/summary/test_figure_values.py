@@ -73,7 +73,7 @@ def test_contact_forces_are_none_for_maps(tmp_path):
     assert Result.of(run_pair_of_maps(tmp_path)).contact_forces is None
 
 
-def test_mean_of_values_in_the_positions_figure_equals_the_reported_coefficient(result_of_profiles):
+def test_coefficients_in_the_positions_figure_have_the_reported_mean(result_of_profiles):
     point = result_of_profiles.at().isel(cut_off=0, load=0, mu0=0, tau0=0)
     positions = evaluate_positions(result_of_profiles, point)
     mean = positions["member_friction"].mean("repetition").transpose("direction", "sliding")

@@ -62,7 +62,7 @@ def test_column_of_positions_that_may_be_point_numbers_has_a_caveat(tmp_path, na
 
 
 @pytest.mark.parametrize("name", ["x", "position", "t (um)", "distance", "Weg", "lateral", "X-Achse"])
-def test_column_of_positions_is_read_without_a_caveat(tmp_path, name):
+def test_position_column_with_a_known_name_has_no_caveat(tmp_path, name):
     assert not read_caveats(write_columns(tmp_path / "a.csv", f"{name};z"), unit="um")
 
 
@@ -180,7 +180,7 @@ def test_height_much_more_frequent_than_similar_heights_is_reported(tmp_path, ki
 
 @pytest.mark.parametrize("fraction", [0.03, 0.06])
 @pytest.mark.parametrize("deviation", [0.04, 0.1, 1.0])
-def test_many_exact_zeros_among_other_heights_are_reported(tmp_path, deviation, fraction):
+def test_excess_of_exact_zeros_among_other_heights_has_a_caveat(tmp_path, deviation, fraction):
     rng = np.random.default_rng(5)
     heights = np.round(deviation * rng.normal(size=(40, 40)), 3)
     heights[rng.random(heights.shape) < fraction] = 0

@@ -54,7 +54,9 @@ class TestFractalProfile:
     @pytest.mark.parametrize("band_limit", [None, "nyquist"])
     @pytest.mark.parametrize("convention", ["paper", "classical"])
     @pytest.mark.parametrize("dimension", [1.0, 1.35, 1.7])
-    def test_fractal_profile_of_150000_points_equals_direct_sum(self, dimension, convention, band_limit):
+    def test_fractal_profile_of_150000_points_equals_direct_summation_of_its_cosine_terms(
+        self, dimension, convention, band_limit
+    ):
         phases = random_phases(5, side="upper")
         profile = weierstrass_mandelbrot(phases, dimension, convention=convention, band_limit=band_limit)
         restart_indices = [np.arange(k - 3, k + 3) for k in (1024, 8192, 81_920)]
@@ -72,7 +74,7 @@ class TestFractalProfile:
         relative_error = np.abs(profile.heights[indices] - expected).max() / np.ptp(profile.heights)
         assert relative_error < DIRECT_SUM_TOLERANCE
 
-    def test_fractal_profile_equals_direct_sum_for_random_parameters(self):
+    def test_fractal_profile_with_random_parameters_equals_direct_summation_of_its_cosine_terms(self):
         for directions, gamma, length_scale in ((1, 1.5, 1.0), (2, 2.0, 0.3), (7, 1.1, 5.0), (40, 1.7, 2.0)):
             phases = random_phases(9, directions=directions, frequencies=12)
             settings = {"length_scale": length_scale, "gamma": gamma, **SMALL_GRID_ARGUMENTS}
@@ -137,7 +139,7 @@ class TestFractalSurface:
 
     @pytest.mark.parametrize("band_limit", [None, "nyquist"])
     @pytest.mark.parametrize(("dimension", "convention"), [(1.0, "paper"), (1.6, "paper"), (1.7, "classical")])
-    def test_fractal_surface_equals_direct_sum(self, dimension, convention, band_limit):
+    def test_fractal_surface_equals_direct_summation_of_its_cosine_terms(self, dimension, convention, band_limit):
         phases = random_phases(5, side="upper")
         surface = weierstrass_mandelbrot_surface(
             phases, dimension, shape=self.SHAPE, extent=self.EXTENT, convention=convention, band_limit=band_limit

@@ -151,7 +151,7 @@ FAULT_CASES = {
 }
 
 
-def test_quotable_sentence_states_assessment_caveats_program_version_and_adhesion():
+def test_quotable_sentence_states_the_assessment_the_caveats_the_version_and_the_adhesion():
     caveat = Caveat("a parabola carries the load", "try --level quadratic", "caution")
     dataset = measured_result().assign_attrs(stiction_version="1.2.3")
     (point,) = summarize(dataset, measured_study(), input_caveats=[caveat]).points
