@@ -17,7 +17,7 @@ def maps_dataset(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def opposing_interface_dataset(maps_dataset):
+def dataset_with_interface_for_opposing_contacts(maps_dataset):
     """Return the result of two maps with an interface that was fitted with friction at opposing contacts only."""
     interface = {"file": "film.csv", "mu0": "0.3", "tau0": "0 MPa", "sliding": "opposing"}
     study = parse_study_of_dataset(maps_dataset).with_changes({"friction.interface": interface})

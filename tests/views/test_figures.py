@@ -632,9 +632,11 @@ def test_listing_the_figures_of_a_result_does_not_compute_resolution_limits(maps
 
 
 @pytest.mark.parametrize("name", ["friction", "positions"])
-def test_figure_legend_starts_with_the_sliding_rule_of_the_interface(opposing_interface_dataset, maps_dataset, name):
+def test_figure_legend_starts_with_the_sliding_rule_of_the_interface(
+    dataset_with_interface_for_opposing_contacts, maps_dataset, name
+):
     labels = []
-    for dataset in (opposing_interface_dataset, maps_dataset):
+    for dataset in (dataset_with_interface_for_opposing_contacts, maps_dataset):
         figure = dict(select_figures(dataset))[name]()
         texts = [text.get_text() for text in figure.legends[0].get_texts()]
         labels.append([text for text in texts if text in SLIDING_RULE_LABELS.values()])

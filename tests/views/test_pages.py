@@ -42,13 +42,19 @@ def surface():
 
 @pytest.fixture(scope="module")
 def pages(
-    generated_dataset, maps_dataset, opposing_interface_dataset, profiles_dataset, profile, surface, tmp_path_factory
+    generated_dataset,
+    maps_dataset,
+    dataset_with_interface_for_opposing_contacts,
+    profiles_dataset,
+    profile,
+    surface,
+    tmp_path_factory,
 ):
     directory = tmp_path_factory.mktemp("pages")
     texts = {
         "study": report_page(generated_dataset),
         "maps": report_page(maps_dataset, picture=contact_picture(maps_dataset)),
-        "interface": report_page(opposing_interface_dataset),
+        "interface": report_page(dataset_with_interface_for_opposing_contacts),
         "lines": report_page(profiles_dataset, picture=contact_picture(profiles_dataset)),
         "profile": surface_page(profile, **SCAN_OPTIONS).html(),
         "file": surface_page(profile, **SCAN_OPTIONS, reading=FILE_READING_TABLE).html(),
@@ -473,11 +479,13 @@ def test_friction_displayed_for_maps_equals_library_values_after_controls_are_ch
 
 
 def test_report_shows_the_coefficient_for_the_sliding_rule_of_the_interface_first(
-    driver, pages, opposing_interface_dataset
+    driver, pages, dataset_with_interface_for_opposing_contacts
 ):
     browser.open_page(driver, pages["interface"])
     displayed_values = read_values_by_rule(driver)
-    expected = {rule.rule: rule.value for rule in Result(opposing_interface_dataset).summary().first.rules}
+    expected = {
+        rule.rule: rule.value for rule in Result(dataset_with_interface_for_opposing_contacts).summary().first.rules
+    }
     assert list(displayed_values) == list(expected) == ["opposing", "all"]
     assert displayed_values == pytest.approx(expected, rel=1e-4)
     assert "belong to friction at opposing contacts only" in find_element(driver, "answer").text

@@ -179,9 +179,9 @@ def test_quantities_in_a_report_have_the_labels_numbers_and_units_of_the_termina
 
 
 @pytest.mark.usefixtures("omit_report_panels")
-def test_report_starts_with_the_sliding_rule_of_the_interface(opposing_interface_dataset):
-    report = ReportEvaluator(report_page(opposing_interface_dataset))
-    point = Result(opposing_interface_dataset).summary().first
+def test_report_starts_with_the_sliding_rule_of_the_interface(dataset_with_interface_for_opposing_contacts):
+    report = ReportEvaluator(report_page(dataset_with_interface_for_opposing_contacts))
+    point = Result(dataset_with_interface_for_opposing_contacts).summary().first
     assert report.facts["rules"] == [rule.rule for rule in point.rules] == ["opposing", "all"]
     assert "film.csv belong to friction at opposing contacts only" in report.facts["ruleNote"]
     for index, rule in enumerate(point.rules):

@@ -23,7 +23,7 @@ import numpy as np
 from stiction._checks import Floats
 from stiction.calibration.friction_tests import FrictionTest, depends_on_junction_growth, evaluate_test_sums
 from stiction.calibration.growth import find_best_mu0, find_tau0_range
-from stiction.calibration.planning import DEFAULT_RELATIVE_ERROR, list_area_plans
+from stiction.calibration.planning import DEFAULT_RELATIVE_ERROR, list_plans_that_vary_area_per_load
 from stiction.mechanics.friction import LOAD_SUM_NAMES, FrictionLaw
 from stiction.mechanics.model import SlidingRule
 from stiction.study.input_distributions import (
@@ -896,7 +896,7 @@ class CalibrationProblem:
         )
         num_tests = len(self.error)
         plans_with_errors = []
-        for plan, further_areas_per_load in list_area_plans(area_per_load, num_tests, hardness):
+        for plan, further_areas_per_load in list_plans_that_vary_area_per_load(area_per_load, num_tests, hardness):
             areas_per_load = np.concatenate([np.full(num_tests, area_per_load), further_areas_per_load])
             coefficient_errors = relative_error * np.maximum(FrictionLaw(mu0, tau0).force(1.0, areas_per_load), 1e-12)
             design_matrix = np.stack([1 / coefficient_errors, areas_per_load / coefficient_errors], axis=1)

@@ -84,7 +84,9 @@ def _compute_areas_per_load_of_ball_tests(area_per_load: float, count: int, hard
     return np.asarray(central_area_per_load * np.geomspace(1 / ball_ratio, ball_ratio, count))
 
 
-def list_area_plans(area_per_load: float, count: int, hardness: float = math.nan) -> Iterator[tuple[str, Floats]]:
+def list_plans_that_vary_area_per_load(
+    area_per_load: float, count: int, hardness: float = math.nan
+) -> Iterator[tuple[str, Floats]]:
     """Yield plans of tests that separate mu0 from tau0: a description, and the true area per load (1/GPa) of each test.
 
     `area_per_load` and `count` are the mean true area per load (1/GPa) and the number of the present tests. `hardness`
@@ -146,15 +148,20 @@ def plan_tests(interface: Interface, result: Any, load: float | str) -> tuple[Pl
     count, relative_error = conditions.num_tests, conditions.relative_error
     central_law = FrictionLaw(*round_median_strength(interface))
     plans, present = [], interface.predict(result, load)
-    for text, areas_per_load in list_area_plans(interface.area_per_load, count, conditions.hardness):
+    for text, areas_per_load in list_plans_that_vary_area_per_load(interface.area_per_load, count, conditions.hardness):
         expected = central_law.force(1.0, areas_per_load)
-        planned = partial(_reweight, areas_per_load=areas_per_load, expected=expected, error=relative_error * expected)
+        planned = partial(
+            _resample_by_expected_results,
+            areas_per_load=areas_per_load,
+            expected=expected,
+            error=relative_error * expected,
+        )
         fit, bounds = planned(interface.fits[0]), interface.fits[0].fits_at_bounds
         fit = replace(
             fit, fits_at_bounds={bound_name: planned(fit_at_bound) for bound_name, fit_at_bound in bounds.items()}
         )
         planned_coefficient = replace(interface, fits=(fit,)).predict(result, load)
-        plans.append(PlannedTests(text, _limit_to_interval(planned_coefficient, present)))
+        plans.append(PlannedTests(text, _limit_to_present_interval(planned_coefficient, present)))
     value = present[0]
     is_common_error_known = not math.isnan(interface.common)
     common_error = interface.common if is_common_error_known else 0.0
@@ -183,7 +190,7 @@ def _estimate_half_width(present: ValueWithLimits, common_error: float, error: f
     return Z_95 * value * math.sqrt(new_variance + common_error**2)
 
 
-def _limit_to_interval(planned: ValueWithLimits, present: ValueWithLimits) -> ValueWithLimits:
+def _limit_to_present_interval(planned: ValueWithLimits, present: ValueWithLimits) -> ValueWithLimits:
     """Limit the interval expected after planned tests to the present interval of the friction coefficient.
 
     Sampling scatter can make the expected interval wider than the present interval.
@@ -192,7 +199,9 @@ def _limit_to_interval(planned: ValueWithLimits, present: ValueWithLimits) -> Va
     return value, min(max(low, present_low), value), max(min(high, present_high), value)
 
 
-def _reweight(fit: StrengthFit, areas_per_load: Floats, expected: Floats, error: Floats) -> StrengthFit:
+def _resample_by_expected_results(
+    fit: StrengthFit, areas_per_load: Floats, expected: Floats, error: Floats
+) -> StrengthFit:
     """Resample mu0 and tau0, weighted by the likelihood of the results that are expected from planned friction tests.
 
     The planned tests have the given true areas per load (1/GPa), expected coefficients and standard errors.

@@ -610,7 +610,7 @@ class EnergyMinimizer:
 
         Return None on separation.
         """
-        state = self._restore_or_start(near, load)
+        state = self._restore_or_start_minimization(near, load)
         for _ in range(state.number, MAX_MINIMIZATION_STEPS):
             self.record.offer_state(state.fields)
             outcome = self._core.step(state, load, **self.limits, threads=solver_thread_count())
@@ -624,7 +624,7 @@ class EnergyMinimizer:
         force = self.solver.mean_pressure_to_force(load)
         raise EquilibriumNotFoundError(f"at a load of {force:.4g} mN, the energy minimization did not converge")
 
-    def _restore_or_start(self, near: AdhesionState, load: float) -> _core.MinimizationState:
+    def _restore_or_start_minimization(self, near: AdhesionState, load: float) -> _core.MinimizationState:
         """Return the stored state of an interrupted minimization or, if no state is stored, a new initial state."""
         if (fields := self.record.read_state()) is not None:
             return _core.MinimizationState({name: _to_array_or_number(value) for name, value in fields.items()})

@@ -85,22 +85,22 @@ class Candidates:
 
     @property
     def index(self) -> NDArray[np.int64]:  # noqa: D102
-        return self._columns["index"].astype(np.int64, copy=False)
+        return self._arrays_by_column_name["index"].astype(np.int64, copy=False)
 
     @property
     def position(self) -> Floats:  # noqa: D102
-        return self._columns["position"]
+        return self._arrays_by_column_name["position"]
 
     @property
     def gap(self) -> Floats:  # noqa: D102
-        return self._columns["gap"]
+        return self._arrays_by_column_name["gap"]
 
     @property
     def radii(self) -> Floats:  # noqa: D102
-        return self._columns["radii"]
+        return self._arrays_by_column_name["radii"]
 
     @cached_property
-    def _columns(self) -> dict[str, NDArray[np.float64]]:
+    def _arrays_by_column_name(self) -> dict[str, NDArray[np.float64]]:
         return {name: make_read_only(column) for name, column in self.core.columns().items()}
 
 

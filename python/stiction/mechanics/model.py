@@ -92,7 +92,7 @@ class ContactModel:
                 )
             if isinstance(self.direction, (list, tuple, range)) or np.ndim(self.direction):
                 object.__setattr__(self, "direction", tuple(self.direction))  # type: ignore[arg-type]
-            if not self._angles:
+            if not self._direction_angles:
                 raise ValueError("direction must have at least one element, got none")
         object.__setattr__(
             self, "effective_modulus", validate_number("effective_modulus", self.effective_modulus, unit="GPa", above=0)
@@ -104,18 +104,18 @@ class ContactModel:
 
         The shape is () for one direction and (m,) for a sequence.
         """
-        angles = np.array(self._angles)
+        angles = np.array(self._direction_angles)
         return angles if self._has_many_directions() else angles.reshape(())
 
     def directions(self) -> Floats:
         """Return the m directions of motion of the upper surface as unit vectors (x, y), with shape (m, 2)."""
-        return np.array([_unit_vector(angle) for angle in self._angles])
+        return np.array([_unit_vector(angle) for angle in self._direction_angles])
 
     def _has_many_directions(self) -> bool:
         return isinstance(self.direction, tuple)
 
     @cached_property
-    def _angles(self) -> list[float]:
+    def _direction_angles(self) -> list[float]:
         direction_value: Any = self.shear if self.direction is None else self.direction
         return (
             [_parse_angle(value) for value in direction_value]
@@ -128,9 +128,9 @@ class ContactModel:
 
         Raise a `ValueError` if its direction is not along x.
         """
-        if self._has_many_directions() or self._angles[0] not in (0.0, 180.0):
+        if self._has_many_directions() or self._direction_angles[0] not in (0.0, 180.0):
             raise ValueError(f'direction for profiles must be "+x" or "-x", got {short_repr(self.direction)}')
-        return self._with_defaults(self.detection or "cell", self.curvature or "convex")
+        return self._with_default_detection_and_curvature(self.detection or "cell", self.curvature or "convex")
 
     def for_surfaces(self) -> ContactModel:
         """Return the model with unset parameters replaced by the defaults for surfaces.
@@ -145,9 +145,11 @@ class ContactModel:
             raise ValueError(
                 "law must not be HertzCylinder on surfaces, because their contacts are ellipses; use HertzSphere"
             )
-        return self._with_defaults("gap-minimum", self.curvature or "signed")
+        return self._with_default_detection_and_curvature("gap-minimum", self.curvature or "signed")
 
-    def _with_defaults(self, detection: DetectionMethod, curvature: CurvatureRequirement) -> ContactModel:
+    def _with_default_detection_and_curvature(
+        self, detection: DetectionMethod, curvature: CurvatureRequirement
+    ) -> ContactModel:
         if (self.detection, self.curvature) == (detection, curvature):
             return self
         return replace(self, detection=detection, curvature=curvature)
@@ -161,7 +163,8 @@ class ContactModel:
         law = parse_contact_law(self.law)
         return stiction._core.ContactModel(
             law=law.name, parameters=law.parameters(self.effective_modulus), detection=self.detection or "cell",
-            curvature=self.curvature or "convex", direction=_unit_vector(self._angles[0]), sliding=self.sliding,
+            curvature=self.curvature or "convex", direction=_unit_vector(self._direction_angles[0]),
+            sliding=self.sliding,
         )  # fmt: skip
 
     def __getstate__(self) -> dict[str, Any]:

@@ -242,7 +242,7 @@ class ShearBox:
             return upper, replace(self.lower, history=())
         *starts, shape = self._find_overlap(offset)
         upper, lower = (
-            _select_face_region(body, _make_slices(start, shape))
+            _select_face_region(body, _slice_grid_region(start, shape))
             for body, start in zip((self.upper, self.lower), starts, strict=True)
         )
         return upper, lower
@@ -295,7 +295,7 @@ class ShearBox:
         else:
             *starts, shape = self._find_overlap(offset)
             upper_slopes, lower_slopes = (
-                [slope[_make_slices(start, shape)] for slope in slopes]
+                [slope[_slice_grid_region(start, shape)] for slope in slopes]
                 for slopes, start in zip(self._slopes, starts, strict=True)
             )
         edges = self._find_edges(offset)
@@ -337,7 +337,7 @@ class ShearBox:
             missing_values = dict.fromkeys((*_STEP_QUANTITIES, "elastic_load"), math.nan)
             return missing_values | {"overlap_area": overlap_area, "status": STATUS_NOT_SOLVED}
 
-        def compare_load(elastic_load: float) -> tuple[float, float]:
+        def compute_excess_load(elastic_load: float) -> tuple[float, float]:
             """Return the normal load minus the target load, and the target load (both mN).
 
             `elastic_load` (mN) is the load without friction. The normal load includes vertical forces due to friction.
@@ -353,7 +353,7 @@ class ShearBox:
         load_guess = self.load if previous_row is None else float(previous_row["elastic_load"])
         load_guess = load_guess if math.isfinite(load_guess) else self.load
         try:
-            status = _search_elastic_load(compare_load, load_guess, self.load, max_load)
+            status = _search_elastic_load(compute_excess_load, load_guess, self.load, max_load)
         except NoSolutionError:
             status = STATUS_NOT_SOLVED
         row = rows[-1] if rows and status == STATUS_OK else dict.fromkeys((*_STEP_QUANTITIES, "elastic_load"), math.nan)
@@ -494,7 +494,7 @@ class ShearBox:
         return dataset.assign_attrs(summarize_curve(dataset))
 
 
-def _make_slices(start: list[int], shape: list[int]) -> tuple[slice, ...]:
+def _slice_grid_region(start: list[int], shape: list[int]) -> tuple[slice, ...]:
     return tuple(slice(start_index, start_index + count) for start_index, count in zip(start, shape, strict=True))
 
 
@@ -519,18 +519,18 @@ def _compute_measured_area(upper: Profile | Surface, lower: Profile | Surface) -
 
 
 def _search_elastic_load(
-    compare_load: Callable[[float], tuple[float, float]], load_guess: float, load: float, max_load: float
+    compute_excess_load: Callable[[float], tuple[float, float]], load_guess: float, load: float, max_load: float
 ) -> Status:
     """Vary the load without friction (mN) until the load with friction reaches its target, and return a status.
 
-    The load without friction is the elastic load. `compare_load` returns the excess of the normal load over its target,
-    and the target, at an elastic load (mN). The method is a bracketed secant method. The last call of `compare_load` is
-    at the elastic load that was found.
+    The load without friction is the elastic load. `compute_excess_load` returns the excess of the normal load over its
+    target, and the target, at an elastic load (mN). The method is a bracketed secant method. The last call of
+    `compute_excess_load` is at the elastic load that was found.
     """
     lower_load_limit, upper_load_limit = 0.0, max_load
     trial_load, last_trial = min(load_guess, 0.9 * max_load), None
     for _ in range(MAX_SOLUTIONS_PER_DISPLACEMENT):
-        load_excess, target = compare_load(trial_load)
+        load_excess, target = compute_excess_load(trial_load)
         if abs(load_excess) <= NORMAL_LOAD_TOLERANCE * load:
             return STATUS_OK
         lower_load_limit, upper_load_limit = (

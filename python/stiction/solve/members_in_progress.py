@@ -74,7 +74,7 @@ class MembersInProgress:
     def _mean_iterations(self) -> float:
         return self._estimate_mean_iterations() if self._estimate_mean_iterations else 0.0
 
-    def _get_work(self, member: int) -> float:
+    def _get_relative_iterations(self, member: int) -> float:
         """Return the expected iterations of a member, divided by the mean over all members to be computed."""
         return self._estimate_iterations(member) / self._mean_iterations if self._mean_iterations else 1.0
 
@@ -95,7 +95,7 @@ class MembersInProgress:
         """Remove the records and the step files of members whose results are stored in a block."""
         for member in members:
             if record := self._records.pop(member, None):
-                self._excess_work += self._get_work(member) - 1
+                self._excess_work += self._get_relative_iterations(member) - 1
                 if record.counter.count > 0:
                     self._finished_count += record.counter.count
                     self._expected_finished_count += self._estimate_iterations(member)
@@ -110,7 +110,7 @@ class MembersInProgress:
         """
         correction = self._finished_count / self._expected_finished_count if self._expected_finished_count > 0 else 1.0
         return self._excess_work + sum(
-            self._get_work(member)
+            self._get_relative_iterations(member)
             * _estimate_finished_fraction(
                 record.counter.count / max(correction * self._estimate_iterations(member), 1.0)
             )
@@ -234,7 +234,7 @@ class _StoredRecord(SolutionRecord):
         return result
 
     def read_state(self) -> StepResult | None:
-        state = _read_result(self._directory / _STATE_FILE) if self._had_stored_files else None
+        state = _read_result(self._directory / _STATE_FILE) if self._had_member_directory else None
         if state is None or int(state["step"]) != self._step:
             return None
         self.counter.add(int(state["iteration_count"]))
@@ -246,7 +246,7 @@ class _StoredRecord(SolutionRecord):
             self._write_steps(get_state() | step_counts)
 
     @cached_property
-    def _had_stored_files(self) -> bool:
+    def _had_member_directory(self) -> bool:
         return self._directory.is_dir()
 
     def _read_step(self, step: int) -> StepResult | None:
@@ -255,7 +255,9 @@ class _StoredRecord(SolutionRecord):
         Returns None if this step or an earlier step is not stored.
         """
         result = (
-            _read_result(self._directory / f"{step:05d}.npz") if self._is_resuming and self._had_stored_files else None
+            _read_result(self._directory / f"{step:05d}.npz")
+            if self._is_resuming and self._had_member_directory
+            else None
         )
         self._is_resuming = result is not None
         return result

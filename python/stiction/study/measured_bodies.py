@@ -149,12 +149,12 @@ class MeasuredBodySettings(SettingsSection):
 
         Bodies in memory are compared by checksum and history.
         """
-        return isinstance(value, MeasuredBodySettings) and self._comparison_key() == value._comparison_key()
+        return isinstance(value, MeasuredBodySettings) and self._get_compared_values() == value._get_compared_values()
 
     def __hash__(self) -> int:
-        return hash(self._comparison_key())
+        return hash(self._get_compared_values())
 
-    def _comparison_key(self) -> tuple[Any, ...]:
+    def _get_compared_values(self) -> tuple[Any, ...]:
         history = () if self.body is None else self.body.body.history
         return *(value for name, value in self if name != "body"), history
 

@@ -213,10 +213,10 @@ def select_body_value(name: str, values: Any, index: int) -> Any:
 def make_condition(message: str) -> Callable[[Callable[[PairProperties], bool]], OptionCondition]:
     """Return a decorator that turns a predicate of a pair into an `OptionCondition` with the given error message."""
 
-    def decorate(is_met: Callable[[PairProperties], bool]) -> OptionCondition:
+    def attach_message(is_met: Callable[[PairProperties], bool]) -> OptionCondition:
         return OptionCondition(is_met, message)
 
-    return decorate
+    return attach_message
 
 
 @make_condition("must be one map")

@@ -142,7 +142,7 @@ class MeasuredPair:
         Raises an `ArgumentError` for the first invalid value. Conditions that depend on the scans are not checked.
         """
         pair = cls(validate_option_values(values), reads_scans=False)
-        _ = pair.files, pair._given_loads, pair._friction_parameters, pair.elasticity, pair._hardness
+        _ = pair.files, pair._loads_given_as_options, pair._friction_parameters, pair.elasticity, pair._hardness
         _ = (
             pair._adhesion_entries,
             pair._junction_growth,
@@ -451,12 +451,12 @@ class MeasuredPair:
 
         A load that the user gives as a pressure is multiplied by the nominal area.
         """
-        area = self._nominal_area if any(per_area for _, per_area in self._given_loads) else 1.0
+        area = self._nominal_area if any(per_area for _, per_area in self._loads_given_as_options) else 1.0
         width_factor = 1.0 if self.options.width is None else PROFILE_WIDTH / self._profile_width
         # Rounding to twelve digits removes the round-off of the unit conversion.
         forces = {
             float(load) if (factor := area if per_area else width_factor) == 1 else float(f"{load * factor:.12g}")
-            for load, per_area in self._given_loads
+            for load, per_area in self._loads_given_as_options
         }
         if 0.0 in forces:
             forces = {
@@ -467,7 +467,7 @@ class MeasuredPair:
 
     @property
     def _has_zero_load(self) -> bool:
-        return not all(load > 0 for load, _ in self._given_loads)
+        return not all(load > 0 for load, _ in self._loads_given_as_options)
 
     @property
     def _max_cell_adhesion_force(self) -> float:
@@ -493,14 +493,14 @@ class MeasuredPair:
         width = self._parse_quantity("width", self.options.width)
         if not width > 0:
             raise ArgumentError("{width} must be above 0, got {got}", got=repr(self.options.width))
-        if all(per_area for _, per_area in self._given_loads):
+        if all(per_area for _, per_area in self._loads_given_as_options):
             raise ArgumentError(
                 "{width} applies only if the {load} is a force, got {load} {got}", got=repr(self.options.load)
             )
         return float(width)
 
     @cached_property
-    def _given_loads(self) -> list[tuple[Quantity, bool]]:
+    def _loads_given_as_options(self) -> list[tuple[Quantity, bool]]:
         """Loads that the user gives: (number in mN, False) for a force, and (number in GPa, True) for a pressure."""
         if not (loads := split_values(self.options.load)):
             raise ArgumentError("{load} must have at least one value, got {got}", got=repr(self.options.load))
@@ -557,7 +557,7 @@ class MeasuredPair:
             "tau0", self._parse_quantities("tau0", self._get_central_option_value("tau0")), self.options.tau0
         )
         coefficients = parse_coefficients("mu0", self._get_central_option_value("mu0"))
-        values = {"mu0": sorted(set(coefficients)), "tau0": _sort_unique(strengths)}
+        values = {"mu0": sorted(set(coefficients)), "tau0": _sort_without_duplicates(strengths)}
         return values | {name: self.uncertain_inputs[name] for name in values if name in self.uncertain_inputs}
 
     def _build_study(self, contact: dict[str, Any]) -> Study:
@@ -565,7 +565,7 @@ class MeasuredPair:
         if self.options.wait is not None and contact["mechanics"] == "half-space":
             if self._hardness is None:
                 raise ArgumentError("{wait} needs {hardness}, because elastic contacts do not creep")
-            friction["wait"] = _sort_unique(self._parse_quantities("wait", self.options.wait))
+            friction["wait"] = _sort_without_duplicates(self._parse_quantities("wait", self.options.wait))
             friction["creep"] = self._parse_single_input("creep")
         sections = {
             "surfaces": self._build_surfaces_section(), "contact": contact, "friction": friction,
@@ -581,7 +581,7 @@ class MeasuredPair:
         elif self.options.cutoff is None:
             section |= self._filter_settings
         else:
-            section["cut_off"] = _sort_unique(self._parse_quantities("cutoff", self.options.cutoff))
+            section["cut_off"] = _sort_without_duplicates(self._parse_quantities("cutoff", self.options.cutoff))
         if level is None and self.options.gap is not None and self.options.tilt == "fixed":
             # Only the mean of the gap is subtracted, because the tilt between the faces matters.
             level = "mean"
@@ -904,7 +904,7 @@ class MeasuredPair:
         max_load = None
         hardness = next((contact["hardness"] for contact in contacts if "hardness" in contact), None)
         if hardness is not None:
-            if any(per_area and load >= hardness for load, per_area in self._given_loads):
+            if any(per_area and load >= hardness for load, per_area in self._loads_given_as_options):
                 raise ArgumentError(
                     "{load} must give a pressure below the hardness ({hardest:.4g} GPa)", hardest=float(hardness)
                 )
@@ -1035,7 +1035,7 @@ def _find_noise_wavelengths(scan: MeasuredBodySettings) -> InstrumentLimit | Noi
     return defects.instrument_limit if defects.instrument_limit.matters else defects.hidden_noise
 
 
-def _sort_unique(values: list[Quantity]) -> list[Quantity]:
+def _sort_without_duplicates(values: list[Quantity]) -> list[Quantity]:
     """Return quantities in ascending order without duplicates.
 
     Of equal quantities, the last one is kept.

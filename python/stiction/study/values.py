@@ -316,14 +316,14 @@ class LoadRange(_SteppedValueRange):
 RANGE_TAG, LIST_TAG = "a range", "a list"
 
 
-def _range_or_list_tag(value: object) -> str | None:
+def _get_tag_of_range_or_list(value: object) -> str | None:
     if isinstance(value, (Mapping, SettingsSection)):
         return RANGE_TAG
     return LIST_TAG if isinstance(value, (list, tuple)) else None
 
 
 _range_or_list_discriminator = Discriminator(
-    _range_or_list_tag,
+    _get_tag_of_range_or_list,
     custom_error_type="range_or_list",
     custom_error_message="must be a list, or a section with start, stop and count",
 )

@@ -616,7 +616,7 @@ def _is_metal(point: xarray.Dataset, study: Study) -> bool:
     return softer_material.kind == "metal"
 
 
-def _is_hardened(point: xarray.Dataset, study: Study) -> bool:
+def _is_very_hard_metal(point: xarray.Dataset, study: Study) -> bool:
     """Return whether a metal is so hard, relative to E*, that its size effect is smaller than assumed."""
     return effective_modulus_at(point, study) < MIN_MODULUS_TO_HARDNESS_RATIO * get_study_hardness(study)
 
@@ -669,7 +669,7 @@ def estimate_size_effect(point: xarray.Dataset, study: Study) -> SizeEffect | No
     """
     if study.contact.yield_exponent is None or study.contact.indent is not None:
         return None
-    if not _is_metal(point, study) or _is_hardened(point, study):
+    if not _is_metal(point, study) or _is_very_hard_metal(point, study):
         return None
     names = ("contact_area", "contact_count", "rms_gradient", "load_share_at_hardness")
     area, count, slope, plastic_fraction = (mean_over_directions(point, name) for name in names)
@@ -681,7 +681,7 @@ def _find_size_effect_caveats(point: xarray.Dataset, study: Study, value: Slidin
     """Yield a caveat if the hardness of small metal contacts may differ from the hardness that the study assumes."""
     if (
         study.contact.yield_exponent is not None and study.contact.indent is not None
-        and _is_metal(point, study) and _is_hardened(point, study)
+        and _is_metal(point, study) and _is_very_hard_metal(point, study)
     ):  # fmt: skip
         text = (
             f"metals as hard as {format_with_unit(get_study_hardness(study), 'GPa')} have a smaller indentation size "

@@ -110,8 +110,10 @@ def find_input_caveats(
                     cut_off=scan_entry.select_cut_off_of_scan(quoted_cutoff),
                 )  # fmt: skip
             for caveat in scan_caveats:
-                caveats_by_kind[_get_caveat_kind(caveat)] = max(
-                    caveats_by_kind.get(_get_caveat_kind(caveat), caveat), caveat, key=lambda caveat: caveat.cut_off
+                caveats_by_kind[_get_text_without_numbers(caveat)] = max(
+                    caveats_by_kind.get(_get_text_without_numbers(caveat), caveat),
+                    caveat,
+                    key=lambda caveat: caveat.cut_off,
                 )
         return list(caveats_by_kind.values())
 
@@ -120,7 +122,7 @@ def find_input_caveats(
     )
     caveat_pairs = [
         (upper_caveat, lower_caveat) for upper_caveat in upper_caveats for lower_caveat in lower_caveats
-        if _get_caveat_kind(upper_caveat) == _get_caveat_kind(lower_caveat)
+        if _get_text_without_numbers(upper_caveat) == _get_text_without_numbers(lower_caveat)
         and upper_caveat.severity == lower_caveat.severity
     ]  # fmt: skip
     paired_caveats = {caveat for pair in caveat_pairs for caveat in pair}
@@ -263,7 +265,7 @@ def _get_shortest_side_length(body: MeasuredBody) -> float:
 _NUMBER_PATTERN = re.compile(r"\d[\d.]*")
 
 
-def _get_caveat_kind(caveat: Caveat) -> str:
+def _get_text_without_numbers(caveat: Caveat) -> str:
     """Return a caveat's text without its numbers; caveats of the same kind have the same remaining text."""
     return _NUMBER_PATTERN.sub("", caveat.text)
 
@@ -275,11 +277,11 @@ def _merge_caveat_texts(upper: Caveat, lower: Caveat) -> str:
     """
     other_numbers = iter(_NUMBER_PATTERN.findall(lower.text))
 
-    def merge_number(own_number: re.Match[str]) -> str:
+    def join_two_numbers(own_number: re.Match[str]) -> str:
         other_number = next(other_numbers)
         return own_number[0] if own_number[0] == other_number else f"{own_number[0]} and {other_number}"
 
-    return _NUMBER_PATTERN.sub(merge_number, upper.text)
+    return _NUMBER_PATTERN.sub(join_two_numbers, upper.text)
 
 
 def find_scan_caveats(

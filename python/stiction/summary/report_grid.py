@@ -160,8 +160,8 @@ def build_parameter_axes(study: Study) -> tuple[ParameterAxis, ParameterAxis]:
     round_tau0 = _list_round_numbers(max_tau0, MAX_TAU0_STEPS[is_measured])
     round_mu0 = np.array(MEASURED_MU0_VALUES if is_measured else GENERATED_MU0_VALUES)
     return (
-        _build_axis(mu0, round_mu0, has_range="mu0" in names_with_range),
-        _build_axis(tau0, round_tau0, has_range="tau0" in names_with_range),
+        _build_axis_of_study_and_round_values(mu0, round_mu0, has_range="mu0" in names_with_range),
+        _build_axis_of_study_and_round_values(tau0, round_tau0, has_range="tau0" in names_with_range),
     )
 
 
@@ -177,7 +177,9 @@ def _list_round_numbers(largest: float, max_count: int) -> Floats:
     return np.array([float(f"{step * index:.12g}") for index in range(int(largest / step * (1 + 1e-9)) + 1)])
 
 
-def _build_axis(study_values: Floats, round_values: Floats, *, has_range: bool) -> ParameterAxis:
+def _build_axis_of_study_and_round_values(
+    study_values: Floats, round_values: Floats, *, has_range: bool
+) -> ParameterAxis:
     if study_values.size > MAX_SHOWN_MU0_OR_TAU0:
         study_values = study_values[
             np.unique(np.linspace(0, study_values.size - 1, MAX_SHOWN_MU0_OR_TAU0).round().astype(int))

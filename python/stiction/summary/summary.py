@@ -81,7 +81,7 @@ class UncertaintyBudgetEntry(Estimate):
 
 
 @dataclass(frozen=True)
-class DwellTimeCoefficient(Estimate):
+class CoefficientAtDwellTime(Estimate):
     """Friction coefficient after a dwell time under load, with its combined 95 % interval."""
 
     _: KW_ONLY
@@ -116,7 +116,7 @@ class PointSummary:
         Intervals that would remain if an input were exact, starting with the most important input.
     contributions : (float, float, float), optional
         Contributions to the coefficient: mu0, tau0 on the true area at the onset of sliding, and slopes.
-    after_dwell : tuple of DwellTimeCoefficient
+    after_dwell : tuple of CoefficientAtDwellTime
         Coefficients after each dwell time of the study.
     covered : bool
         True if the interval of another point, at another cutoff, covers this point.
@@ -141,7 +141,7 @@ class PointSummary:
     roughness_contribution: float | None = None
     budget: tuple[UncertaintyBudgetEntry, ...] = ()
     contributions: tuple[float, float, float] | None = None
-    after_dwell: tuple[DwellTimeCoefficient, ...] = ()
+    after_dwell: tuple[CoefficientAtDwellTime, ...] = ()
     covered: bool = False
     pull_off: PullOffValues | None = None
     quantities: Mapping[str, Estimate] = field(default_factory=dict, repr=False)
@@ -694,13 +694,13 @@ def _list_budget_entries(
     return tuple(sorted(entries, key=lambda entry: entry.width))
 
 
-def _list_dwell_time_coefficients(point: xarray.Dataset, rule: str) -> tuple[DwellTimeCoefficient, ...]:
+def _list_dwell_time_coefficients(point: xarray.Dataset, rule: str) -> tuple[CoefficientAtDwellTime, ...]:
     if "friction_after_dwell" not in point:
         return ()
     table = select_sliding_rule(point["friction_after_dwell"], rule).transpose("dwell_time", "statistic")
     seconds_and_values = zip(point["dwell_time"].values.tolist(), table.values.tolist(), strict=True)
     fields: dict[str, Any] = {"name": "friction_after_dwell", "kind": "combined"}
-    return tuple(DwellTimeCoefficient(*limits, seconds=seconds, **fields) for seconds, limits in seconds_and_values)
+    return tuple(CoefficientAtDwellTime(*limits, seconds=seconds, **fields) for seconds, limits in seconds_and_values)
 
 
 def _compute_friction_contributions(

@@ -138,12 +138,12 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
                 _find_neighbour_deviations(line_deviations, is_measured, at_edge, heights, step),
             ]
         deviations = mean_deviations, line_deviations
-        ratio = _find_smaller_ratio(deviations, [typical.scan_medians for typical in typical_deviations])
+        ratio = _find_smaller_deviation_ratio(deviations, [typical.scan_medians for typical in typical_deviations])
         # Local medians can only reject outliers, so they are computed only where medians of the whole scan find one.
         can_be_outlier = is_measured & ~is_outlier & np.isfinite(line_deviations)
         candidates = np.nonzero(can_be_outlier & (ratio > _MIN_OUTLIER_TO_MEDIAN_DEVIATION_RATIO))
         ratio = np.zeros(heights.shape)
-        ratio[candidates] = _find_smaller_ratio(
+        ratio[candidates] = _find_smaller_deviation_ratio(
             [values[candidates] for values in deviations],
             [typical.at_points(candidates) for typical in typical_deviations],
         )
@@ -164,7 +164,7 @@ def find_outliers(heights: Floats, height_step: float | None = None) -> NDArray[
     return np.asarray(is_outlier & (np.bincount(group_numbers.ravel())[group_numbers] <= MAX_OUTLIER_GROUP_SIZE))
 
 
-def _find_smaller_ratio(deviations: Sequence[Floats], typical_values: Sequence[Floats]) -> Floats:
+def _find_smaller_deviation_ratio(deviations: Sequence[Floats], typical_values: Sequence[Floats]) -> Floats:
     """Return the smaller of two ratios at each point: each ratio is a height deviation divided by its typical value.
 
     A ratio that is NaN is ignored.
@@ -289,7 +289,9 @@ def _compute_deviations_in_strip(
     line_deviations = [np.abs(heights - estimate) for estimate in extrapolated_heights]
     estimate_count = np.sum([np.isfinite(deviation) for deviation in line_deviations], axis=0)
     at_edge = estimate_count < len(line_deviations)
-    smallest_deviations = _find_smallest(line_deviations, 1 if heights.ndim == 1 else _MAX_LINES_NEAR_OUTLIER + 1)
+    smallest_deviations = _find_smallest_at_each_point(
+        line_deviations, 1 if heights.ndim == 1 else _MAX_LINES_NEAR_OUTLIER + 1
+    )
     if heights.ndim == 1:
         return mean_deviations, np.where(estimate_count > 0, smallest_deviations[0], np.nan), at_edge
     line_deviation = np.where(
@@ -300,7 +302,7 @@ def _compute_deviations_in_strip(
     return mean_deviations, np.where(estimate_count < _MIN_NEIGHBOUR_ESTIMATES, np.nan, line_deviation), at_edge
 
 
-def _find_smallest(values: list[Floats], kept_count: int) -> list[Floats]:
+def _find_smallest_at_each_point(values: list[Floats], kept_count: int) -> list[Floats]:
     """Return, at each point, the `kept_count` smallest of the numbers in several arrays, in ascending order.
 
     NaN is replaced by infinity.
@@ -323,7 +325,7 @@ def _compute_finite_median(values: list[Floats], min_count: int) -> Floats:
 
     Returns NaN for fewer than `min_count`.
     """
-    sorted_values = np.stack(_find_smallest(values, len(values)))
+    sorted_values = np.stack(_find_smallest_at_each_point(values, len(values)))
     count = np.isfinite(sorted_values).sum(axis=0)
     lower_index, upper_index = np.maximum(count - 1, 0) // 2, np.minimum(count // 2, len(values) - 1)
     middle_values = (

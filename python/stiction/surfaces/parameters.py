@@ -209,7 +209,7 @@ class RoughnessParameterSet(TextReprMixin):
             return values[name]
         raise AttributeError(f"{type(self).__name__} has no parameter {name!r}")
 
-    def _formatted_values(self) -> list[tuple[str, str, str]]:
+    def _name_number_and_unit_texts(self) -> list[tuple[str, str, str]]:
         return [
             (name, *format_number_and_unit(value, ROUGHNESS_PARAMETERS[name].unit))
             for name, value in self.values.items()
@@ -221,11 +221,11 @@ class RoughnessParameterSet(TextReprMixin):
     def __repr__(self) -> str:
         """Return a table in plain text: one line for each roughness parameter, with value and unit."""
         lines = {
-            name: f"{value} {unit}".strip() for name, value, unit in self._formatted_values()
+            name: f"{value} {unit}".strip() for name, value, unit in self._name_number_and_unit_texts()
         } | self._extra_table_rows()
         width = max(map(len, lines))
         return "\n".join([type(self).__name__, *(f"  {name:<{width}}  {text}" for name, text in lines.items())])
 
     def _repr_html_(self) -> str:
         text_rows = [(name, text, "") for name, text in self._extra_table_rows().items()]
-        return table_html(("parameter", "value", "unit"), [*self._formatted_values(), *text_rows])
+        return table_html(("parameter", "value", "unit"), [*self._name_number_and_unit_texts(), *text_rows])

@@ -44,7 +44,7 @@ class Body(PlotReprMixin):
     history: tuple[str, ...] = field(default=(), kw_only=True)
     missing: NDArray[np.bool_] | None = field(default=None, kw_only=True)
 
-    def _store(self, heights: Floats, spacing: Any) -> None:
+    def _check_and_store(self, heights: Floats, spacing: Any) -> None:
         """Check and store the heights, the spacing, the history and the mask of missing points of a body."""
         if not MIN_ACCEPTED_SPACING <= np.min(spacing) <= np.max(spacing) <= MAX_ACCEPTED_SPACING:
             allowed = f"from {MIN_ACCEPTED_SPACING:g} to {MAX_ACCEPTED_SPACING:g} µm"
@@ -187,7 +187,7 @@ class Profile(Body):
         heights = float_array("heights", self.heights, ndim=1)
         if heights.size < MIN_POINTS:
             raise ValueError(f"heights must have at least {MIN_POINTS} points, got {heights.size}")
-        self._store(heights, validate_number("spacing", self.spacing, unit="µm", above=0))
+        self._check_and_store(heights, validate_number("spacing", self.spacing, unit="µm", above=0))
 
     def __len__(self) -> int:
         """Return the number of points of the profile."""

@@ -59,7 +59,7 @@ class Surface(Body):
         heights = float_array("heights", self.heights, ndim=2)
         if min(heights.shape) < 2:
             raise ValueError(f"heights must have at least 2 rows and 2 columns, got shape {heights.shape}")
-        self._store(heights, parse_lengths("spacing", self.spacing))
+        self._check_and_store(heights, parse_lengths("spacing", self.spacing))
 
     @property
     def x(self) -> Floats:

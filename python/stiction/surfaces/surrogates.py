@@ -299,7 +299,7 @@ def _fit_densities(response: Floats, measured_density: Floats, count: Floats, de
     The likelihood is maximized by Fisher scoring.
     """
 
-    def cost(log_density: Floats) -> float:
+    def compute_misfit_and_penalty(log_density: Floats) -> float:
         predicted_density = response @ np.exp(log_density)
         return float(
             count @ (measured_density / predicted_density + np.log(predicted_density))
@@ -308,7 +308,7 @@ def _fit_densities(response: Floats, measured_density: Floats, count: Floats, de
 
     second_difference = np.diff(np.eye(density.size), 2, axis=0)
     log_density = np.log(density)
-    lowest_cost = cost(log_density)
+    lowest_cost = compute_misfit_and_penalty(log_density)
     for _ in range(_MAX_SPECTRUM_FIT_STEPS):
         contributions = response * np.exp(log_density)
         fitted_density = contributions.sum(axis=1)
@@ -322,7 +322,9 @@ def _fit_densities(response: Floats, measured_density: Floats, count: Floats, de
             gradient,
         )
         step *= min(1.0, 2 / np.abs(step).max())
-        while (current_cost := cost(log_density - step)) > lowest_cost and np.abs(step).max() > _LOG_DENSITY_TOLERANCE:
+        while (current_cost := compute_misfit_and_penalty(log_density - step)) > lowest_cost and np.abs(
+            step
+        ).max() > _LOG_DENSITY_TOLERANCE:
             step /= 2
         if current_cost > lowest_cost or np.abs(step).max() <= _LOG_DENSITY_TOLERANCE:
             break

@@ -686,7 +686,7 @@ def _parse_column_units(lines: Sequence[str], width: int, dialect: Dialect) -> t
         return tuple(map(unit_in_column_name, cells)) if cells is not None and is_name_line else (None,) * width
     if cells is not None and any(unit_in_column_name(cell) for cell in cells):
         # If one column name ends with a known unit ("x mm"), other names are assumed to end with units too ("z V").
-        last_words = [_split_name(cell)[-1] for cell in cells]
+        last_words = [_split_name_into_words(cell)[-1] for cell in cells]
         names_end_with_units = any(map(parse_length_unit, last_words))
         return tuple(
             unit_in_column_name(cell)
@@ -729,17 +729,17 @@ def unit_in_column_name(cell: str) -> str | None:
     if unit_after_name is not None and is_unit(unit_after_name[1]):
         return parse_length_unit(unit_after_name[1]) or unit_after_name[1]
     # A slash separates name and unit, as in "z_nm/nm".
-    if "/" in (word := _split_name(last_part)[-1]) and NON_LENGTH_UNIT_PATTERN.fullmatch(word):
+    if "/" in (word := _split_name_into_words(last_part)[-1]) and NON_LENGTH_UNIT_PATTERN.fullmatch(word):
         return word
     # A reciprocal unit may follow a name: in "k/1/um", the name is k and the unit 1/um.
     if not bracketed_texts and (match := re.search(r"(?:^|[\s_/])(1/[^\W\d_]+)$", last_part)):
         return match[1]
     unit = parse_length_unit(
-        (last_part if bracketed_texts else _split_name(last_part)[-1].rpartition("/")[2]).strip(" \"'.:")
+        (last_part if bracketed_texts else _split_name_into_words(last_part)[-1].rpartition("/")[2]).strip(" \"'.:")
     )
     if unit is not None:
         return unit
-    words = _split_name(last_part)
+    words = _split_name_into_words(last_part)
     if unit_after_name is not None:
         last_part = unit_after_name[1]
     elif not bracketed_texts and len(words) > 1 and len(words[-1]) > 1:
@@ -753,7 +753,7 @@ def unit_in_column_name(cell: str) -> str | None:
     return None if not known_units and _REMARK_PATTERN.fullmatch(last_part) else last_part
 
 
-def _split_name(name: str) -> list[str]:
+def _split_name_into_words(name: str) -> list[str]:
     """Split a column name into words."""
     return re.split(r"[\s_]+|(?<=[^\W\d_])[-.:|](?=\S)", name.rstrip(" ."))
 

@@ -143,7 +143,7 @@ def parse_spacing_declarations(lines: Sequence[str]) -> SpacingDeclarations:
         else:
             spacing = spacing or declaration
     axis_spacings = [find_first_match(_AXIS_SPACING_PATTERNS[axis], lines, parse_bracketed_length) for axis in "yx"]
-    if axis_spacings[0] and pixel_sizes and not _are_equal(axis_spacings[0], pixel_sizes[0]):
+    if axis_spacings[0] and pixel_sizes and not _are_lengths_equal(axis_spacings[0], pixel_sizes[0]):
         unclear_spacing = UnclearSpacing(axis_spacings[0].line.strip())
         spacing = pixel_sizes = None
     surface_writer_spacings = [
@@ -264,7 +264,7 @@ def find_first_match(
     return next((parsed for match in matches if (parsed := parse_match(match)) is not None), None)
 
 
-def _are_equal(first: DeclaredLength, second: DeclaredLength) -> bool:
+def _are_lengths_equal(first: DeclaredLength, second: DeclaredLength) -> bool:
     return math.isclose(
         first.length * LENGTH_UNITS[first.unit], second.length * LENGTH_UNITS[second.unit], rel_tol=1e-3
     )

@@ -35,8 +35,8 @@ def _is_slope_profile(text: DecodedText) -> bool:
     )
 
 
-def _reject(text: DecodedText) -> RawHeights:
+def _reject_slope_profile(text: DecodedText) -> RawHeights:
     raise FormatError("contains slopes of a long trace profiler, not heights; integrate them to heights first")
 
 
-LAYOUT = TextLayout("slopes of a long trace profiler", _is_slope_profile, _reject)
+LAYOUT = TextLayout("slopes of a long trace profiler", _is_slope_profile, _reject_slope_profile)
