@@ -667,7 +667,7 @@ def test_fits_with_mu0_or_tau0_at_zero_agree_with_tests_of_a_pair_whose_contacts
     assert f"The tests allow all values near the line from {ends_text};" in text
 
 
-def test_both_ends_of_the_line_that_unseparated_tests_allow_have_the_median_sum() -> None:
+def test_both_ends_of_the_printed_line_of_mu0_and_tau0_give_the_median_coefficient() -> None:
     random = np.random.default_rng(4)
     interface = calibrate([FrictionTest(BALL, 100.0, coefficient=0.4, uncertainty=0.02)], common=0.0, sliding="all")
     area_per_load = np.exp(0.2 * random.standard_normal(4000))

@@ -571,7 +571,7 @@ def test_evaluation_at_a_load_computes_every_quantity_shown_in_outputs():
     assert set(select_quantity_names(lambda quantity: quantity.shown)) - evaluated_names == set()
 
 
-def test_limit_on_uncertainty_budgets_applies_to_all_study_loads_together_and_to_every_further_load_alone(
+def test_number_of_uncertainty_budgets_is_limited_for_all_study_loads_together_and_for_each_further_load(
     areal_study_and_dataset, monkeypatch
 ):
     study, dataset = areal_study_and_dataset

@@ -334,7 +334,7 @@ def find_caveat_texts(upper, lower, word, **changes):
 
 
 @pytest.mark.parametrize(("stretches", "has_caveat"), [((20, 20), True), ((20, 1), False), ((1, 1), False)])
-def test_pair_of_maps_with_lay_has_a_caveat_about_their_orientation(stretches, has_caveat):
+def test_pair_of_maps_with_lay_has_a_caveat_about_the_orientation_of_the_lays(stretches, has_caveat):
     upper, lower = (build_map(seed, stretch=stretch) for seed, stretch in enumerate(stretches, start=1))
     assert len(find_caveat_texts(upper, lower, "orientation")) == has_caveat
     if has_caveat:

@@ -96,7 +96,7 @@ def test_results_at_a_shorter_cutoff_lie_between_plastic_limit_and_results_at_lo
         assert (mu[finer_index] <= mu[finer_index:] * (1 + 0.02)).all()
 
 
-def test_range_for_finer_scans_at_each_cutoff_contains_results_at_shorter_cutoffs(pair_and_resolution_result):
+def test_friction_range_for_finer_scans_at_each_cutoff_contains_results_at_shorter_cutoffs(pair_and_resolution_result):
     result = pair_and_resolution_result[3]
     second_order_factor = 1 + np.square(result.rms_gradient.values) / 8
     for name, variable in (
@@ -136,7 +136,7 @@ def test_upper_limit_of_the_friction_range_for_finer_scans_equals_the_separately
     assert max_values[2] == value[2]
 
 
-def test_range_for_finer_scans_allows_for_a_larger_contact_area_if_contacts_are_few():
+def test_friction_range_for_finer_scans_allows_for_a_larger_contact_area_if_contacts_are_few():
     """Use a pair of seven contacts whose finest result has more area than a coarser result."""
     bodies = rough_maps(
         28, rms=0.01, points=256, spacing=0.01, repetition=2004, longest_wavelength=0.64, shortest_wavelength=0.04
@@ -210,7 +210,7 @@ def test_extrapolated_slope_of_a_filtered_scan_agrees_with_the_unfiltered_scan()
     assert float(fine_result.friction_coefficient.sel(sliding="all")[0, 0]) > 0.2
 
 
-def test_extrapolated_interval_contains_friction_of_a_finer_scan():
+def test_friction_interval_extrapolated_from_a_coarse_scan_contains_friction_of_a_finer_scan():
     """Extrapolate pairs that are filtered at 16 points, and compare them with the unfiltered pairs."""
     num_contained = 0
     for seed in range(6):

@@ -257,7 +257,7 @@ def test_solution_record_counts_the_iterations_of_each_stiffness_once(study, mon
 
 
 @pytest.mark.parametrize("study", [('hardness = "5 GPa"\nyield_exponent = 0.5\n' + LOADS, True)], indirect=True)
-def test_record_counts_the_elastic_area_and_both_stiffnesses(study, monkeypatch):
+def test_solution_record_counts_the_iterations_of_the_elastic_area_and_both_stiffnesses(study, monkeypatch):
     def count(**options):
         record = SolutionRecord()
         values = solve_at_loads(study, *get_first_pair(study), record=record, **options)

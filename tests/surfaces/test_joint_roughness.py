@@ -44,7 +44,7 @@ def test_jrc_is_undefined_if_the_grid_is_too_coarse():
     assert math.isnan(roughness.jrc)
 
 
-def test_map_is_sampled_along_any_direction_and_missing_points_are_excluded():
+def test_z2_of_a_map_is_computed_along_any_direction_without_missing_points():
     y, x = np.mgrid[:80, :80] * 127.0
     plane = Surface(0.2 * x + 0.1 * y, spacing=127.0)
     for angle, slope in ((0, 0.2), (90, 0.1), (270, -0.1), (45, 0.3 / math.sqrt(2))):

@@ -430,7 +430,7 @@ def test_first_height_with_fewer_decimals_than_the_other_heights_adds_a_caveat(t
     assert not read_with_interpretation(path, **options).caveats
 
 
-def test_number_near_the_end_that_equals_the_number_of_heights_adds_a_caveat(tmp_path):
+def test_number_near_the_end_of_a_profile_that_equals_the_number_of_heights_adds_a_caveat(tmp_path):
     path, options = tmp_path / "a.txt", {"unit": "um", "spacing": "0.5 um"}
     heights = "".join(f"{z:.4f}\n" for z in LINE_HEIGHTS)
     count = LINE_HEIGHTS.size

@@ -307,7 +307,7 @@ def test_nominal_area_excludes_missing_points_and_interpolated_points_add_a_cave
 
 
 @pytest.mark.parametrize("mask", [np.ones(4, bool), np.zeros(5, bool), np.zeros(4)])
-def test_invalid_mask_is_rejected(mask):
+def test_invalid_mask_of_missing_points_is_rejected(mask):
     with pytest.raises(ValueError, match="`missing` must be a boolean array"):
         Profile(np.zeros(4), spacing=1.0, missing=mask)
 

@@ -237,9 +237,7 @@ def test_assumed_lay_adds_a_caveat_if_the_interval_excludes_the_coefficient_with
 
 
 @pytest.mark.parametrize(("opposing", "has_caveat"), [(0.11, False), (0.12, True)])
-def test_assumed_lay_adds_a_caveat_if_only_the_interval_for_opposing_contacts_excludes_another_lay(
-    opposing, has_caveat
-):
+def test_assumed_lay_adds_a_caveat_even_if_another_lay_may_change_only_the_second_coefficient(opposing, has_caveat):
     study = measured_study(press="lines", mu0=(0.2,)).with_changes({"surfaces.lay_assumed": True})
     point = summarize_single_point(measured_result(all_contacts=0.21, opposing=opposing, half_width_ratio=0.1), study)
     texts = [caveat.text for caveat in point.caveats if "the lay is assumed" in caveat.text]

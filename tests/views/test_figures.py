@@ -279,7 +279,7 @@ def test_friction_curves_equal_the_friction_map_at_their_load(generated_dataset)
 @pytest.mark.parametrize(
     "selection", [{"fractal_dimension": [2]}, {"repetition": [3]}, {"approach": [7, 8, 9]}], ids=str
 )
-def test_figures_of_one_fractal_dimension_one_pair_or_three_approach_values_cause_no_warning(
+def test_drawing_figures_of_one_fractal_dimension_or_one_pair_or_three_approaches_causes_no_warning(
     generated_dataset, selection, tmp_path
 ):
     result = Result.of(generated_dataset.isel(amplitude=[0], **selection))

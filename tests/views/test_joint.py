@@ -504,7 +504,7 @@ def test_card_contains_the_coefficient_and_stiffness_at_the_given_load_and_the_w
         assert [float(number) for number in friction] == pytest.approx(expected, rel=1e-3)
 
 
-def test_card_needs_a_single_load_within_the_computed_loads(result, directory):
+def test_exported_card_requires_a_single_load_within_the_computed_loads(result, directory):
     message = "--load must be a single load for a card, which has one tangential stiffness for all pressures; choose"
     for options in ((), ("--compute",)):
         command = call_stiction("export", "pair", "x.mac", "--load", "20 MPa,80 MPa", *options, cwd=directory)
@@ -513,7 +513,7 @@ def test_card_needs_a_single_load_within_the_computed_loads(result, directory):
     assert not (directory / "x.mac").exists()
 
 
-def test_card_of_a_pair_with_several_loads_needs_a_load(tmp_path):
+def test_exported_card_of_a_pair_with_several_loads_requires_the_load_option(tmp_path):
     result = small_pair(mu0=0.1, shifts=3, load=["10 kPa", "20 kPa"])
     with pytest.raises(ValueError, match=r"load must be a single load for a card.*; choose one of 10 kPa, 20 kPa"):
         result.export(tmp_path / "card.inp")
@@ -521,7 +521,7 @@ def test_card_of_a_pair_with_several_loads_needs_a_load(tmp_path):
     assert "(tangential stiffness) at 0.02 MPa" in (tmp_path / "card.inp").read_text()
 
 
-def test_card_of_a_load_of_zero_needs_an_adhesive_pair_that_was_computed_at_zero(tmp_path):
+def test_exported_card_at_zero_load_requires_an_adhesive_pair_computed_at_zero_load(tmp_path):
     adhesion = {"work_of_adhesion": "50 mJ/m^2", "adhesion_range": "5 nm"}
     unloaded_result = small_pair(mu0=0.1, shifts=3, load=["0", "20 kPa"], **adhesion)
     negligible_load = float(unloaded_result.at([0.0])["load"][0])
@@ -537,7 +537,7 @@ def test_card_of_a_load_of_zero_needs_an_adhesive_pair_that_was_computed_at_zero
     assert not (tmp_path / "new.inp").exists()
 
 
-def test_card_rejects_an_empty_list_of_loads(result, tmp_path):
+def test_export_of_a_card_rejects_an_empty_list_of_loads(result, tmp_path):
     for extension in ("inp", "mac"):
         with pytest.raises(ValueError, match=r"^load must have at least one value, got \[\]$"):
             result.export(tmp_path / f"card.{extension}", load=[])
@@ -552,7 +552,7 @@ def test_export_command_computes_results_at_given_loads_outside_the_range_of_the
     assert "(tangential stiffness) at 900 MPa" in (directory / "given.inp").read_text()
 
 
-def test_export_command_warns_of_loads_without_values_and_rejects_a_table_without_any(result, directory):
+def test_export_command_warns_of_loads_without_values_and_rejects_a_table_without_any_values(result, directory):
     completed = check_stiction(
         "export", "pair", "some.csv", "--joint", "--load", "20 MPa,9 GPa", cwd=directory, columns=200
     )
@@ -592,7 +592,7 @@ def test_notes_of_a_joint_table_and_exported_card_state_why_percentiles_are_miss
     assert card.endswith("\n** No *FRICTION, because there is no median of mu_s: see the notes above.\n")
 
 
-def test_export_checks_file_and_units_before_it_computes_the_joint_table(tmp_path):
+def test_export_command_validates_file_and_units_before_it_computes_the_joint_table(tmp_path):
     small_pair(mu0=0.1, shifts=3, directory=tmp_path / "pair")
     (tmp_path / "old.csv").write_text("old")
     for arguments, message in (
@@ -631,7 +631,7 @@ def test_calculix_block_with_the_exported_card_has_the_tabulated_stiffness_and_s
     assert forces == pytest.approx([stiffness * 100 * 2e-5, reference.friction(50).value * 200 * 100], rel=1e-3)
 
 
-def test_joint_files_contain_all_mu0_and_tau0_with_the_sliding_rule(tmp_path):
+def test_joint_files_contain_every_combination_of_mu0_and_tau0_and_the_sliding_rule(tmp_path):
     result = small_pair(mu0="0.1,0.2", tau0="10 MPa,50 MPa", shifts=3, directory=tmp_path / "pair")
     loads = ["20 kPa", "40 kPa"]
     export_text(result, tmp_path / "joint.csv", joint=True, load=loads)
