@@ -106,10 +106,10 @@ def test_friction_range_for_finer_scans_is_omitted_if_another_cutoff_or_preparat
     faulty_dataset["mean_friction"].loc[{"cut_off": 0.0, "statistic": "upper"}] = 2.0
     assert summarize_point(faulty_dataset, study).bracket is None
 
-    single, wide = measured_result(half_width_ratio=0.02), measured_result(half_width_ratio=0.9)
-    assert summarize_point(single).bracket is not None
-    alternative = summarize(wide, measured_study(hardness=2.0))
-    point = summarize_point(single, alternatives={"spikes": alternative})
+    precise_result, wide_result = measured_result(half_width_ratio=0.02), measured_result(half_width_ratio=0.9)
+    assert summarize_point(precise_result).bracket is not None
+    alternative = summarize(wide_result, measured_study(hardness=2.0))
+    point = summarize_point(precise_result, alternatives={"spikes": alternative})
     assert point.bracket is None
     assert find_caveats_with_text(point, "without outliers")[0][0] == "fault"
 

@@ -20,8 +20,8 @@ from stiction.views.sentence import (
     finer_scan_text,
     inputs_text,
     list_all_assumptions,
-    point_detail_sentences,
     quotable_sentence,
+    result_point_detail_sentences,
     small_slope_estimate_text,
 )
 from stiction.views.text import coefficients_paragraph
@@ -569,7 +569,7 @@ def test_text_of_inputs_states_no_range_for_a_given_hardness(study):
 def test_friction_range_for_finer_scans_is_omitted_if_the_result_has_a_fault():
     point = summarize(measured_result(all_contacts=47.0, rms_gradient=300.0), measured_study(hardness=2.0)).points[0]
     assert (point.assessment, point.bracket) == ("Do not quote", None)
-    assert not any("finer scan" in sentence for sentence in point_detail_sentences(point))
+    assert not any("finer scan" in sentence for sentence in result_point_detail_sentences(point))
 
 
 def test_friction_range_for_finer_scans_starts_at_a_coefficient_below_the_plastic_limit():
@@ -612,7 +612,7 @@ def test_text_about_finer_scans_states_the_hardness():
 def test_effect_of_finer_scans_is_stated_unless_the_effect_is_small_compared_with_the_interval(half_width, is_stated):
     point = summarize_single_point(measured_result(), measured_study(hardness=3.0))
     rules = tuple(replace(rule, lower=rule.value - half_width, upper=rule.value + half_width) for rule in point.rules)
-    text = " ".join(point_detail_sentences(replace(point, rules=rules)))
+    text = " ".join(result_point_detail_sentences(replace(point, rules=rules)))
     assert ("a finer scan would give" in text) == is_stated
     assert point.bracket is not None
 

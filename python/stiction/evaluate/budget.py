@@ -517,8 +517,8 @@ def _widen_intervals_to_alternatives(
         for name, label in zip(dataset["input"].values, dataset["input_label"].values, strict=True)
     }
     remaining_intervals = _extend_estimates(
-        _get_remaining_intervals(original, labels_by_input, dims),
-        [_get_remaining_intervals(dataset, labels_by_input, dims) for dataset in alternatives.values()],
+        _get_intervals_with_one_exact_input(original, labels_by_input, dims),
+        [_get_intervals_with_one_exact_input(dataset, labels_by_input, dims) for dataset in alternatives.values()],
     )
     is_budgeted = _find_budgeted_coefficients(original, dims)
     intervals = {name: dataset["friction_at_cutoff"].transpose(*dims).values for name, dataset in alternatives.items()}
@@ -551,7 +551,7 @@ def _widen_intervals_to_alternatives(
     )
 
 
-def _get_remaining_intervals(at: xarray.Dataset, names: Iterable[str], dims: Sequence[Any]) -> Floats:
+def _get_intervals_with_one_exact_input(at: xarray.Dataset, names: Iterable[str], dims: Sequence[Any]) -> Floats:
     """Return, for each named input, the interval of the coefficient that would remain if this input were exact.
 
     An alternative preparation can have other inputs, such as a drift of the roughness. For an input that is missing in

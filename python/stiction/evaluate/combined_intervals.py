@@ -472,7 +472,7 @@ class CombinedIntervals:
         if "closure" in estimates and self.response.closure_curve is not None:
             closures_key = None if self.strengths else (id(self.response.closure_curve), names)
             closures = self._sampler.find_closures(closures_key, self.response, inputs)
-            ratios["closure"] = self.response.closure_ratio(inputs, closures)
+            ratios["closure"] = self.response.gap_closure_ratio(inputs, closures)
         combined_estimates = {}
         for name, estimate in estimates.items():
             value, lower, upper = estimate.tolist()

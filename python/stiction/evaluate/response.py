@@ -322,7 +322,7 @@ class ContactResponseToInputs:
             ratios.append(np.broadcast_to(ratio, np.broadcast_shapes(np.shape(area), hardness.shape)))
         return self.closure_curve.scale_stiffness(np.stack(ratios))
 
-    def closure_ratio(self, inputs: InputValues, closures: Floats) -> Floats:
+    def gap_closure_ratio(self, inputs: InputValues, closures: Floats) -> Floats:
         """Return the closure of the gap for given inputs, divided by its closure for the central inputs.
 
         By similarity, the closure is the height factor times the closure at the load divided by the change of E* and

@@ -174,13 +174,18 @@ def _compute_log_density(estimate: UncertainInput, values: Floats) -> Floats:
 def _combine_weights(log_weights: Sequence[Floats]) -> Floats:
     """Return the logarithm of the importance weight of each sample of (mu0, tau0), combined from all inputs.
 
-    Weights of inputs are raised to powers below 1 until the effective number of samples is large enough. The power of
-    the input that leaves the fewest samples is reduced, so that a much narrower range does not widen other ranges.
+    Weights of inputs are raised to powers below 1 until the effective number of samples is large enough. The exponent
+    of the input that leaves the fewest samples is reduced, so that a much narrower range does not widen other ranges.
     """
-    powers, total = [1.0] * len(log_weights), sum(log_weights, np.zeros(log_weights[0].size))
+    exponents, total = [1.0] * len(log_weights), sum(log_weights, np.zeros(log_weights[0].size))
     min_samples = min(MIN_SAMPLES_LEFT_BY_PAIR_RANGE, MAX_REQUIRED_FRACTION_OF_SAMPLES * total.size)
     while compute_effective_sample_size(total) < min_samples:
-        sizes = [compute_effective_sample_size(power * each) for power, each in zip(powers, log_weights, strict=True)]
-        powers[int(np.argmin(sizes))] *= WEIGHT_EXPONENT_REDUCTION_FACTOR
-        total = sum((power * each for power, each in zip(powers, log_weights, strict=True)), np.zeros(total.size))
+        sizes = [
+            compute_effective_sample_size(exponent * each)
+            for exponent, each in zip(exponents, log_weights, strict=True)
+        ]
+        exponents[int(np.argmin(sizes))] *= WEIGHT_EXPONENT_REDUCTION_FACTOR
+        total = sum(
+            (exponent * each for exponent, each in zip(exponents, log_weights, strict=True)), np.zeros(total.size)
+        )
     return total

@@ -100,10 +100,10 @@ def _omission_text(printed_points: Sequence[PointSummary], points: Sequence[Poin
     num_values = {name: len({point.at[name] for point in points}) for name in ("fractal_dimension", "mu0", "tau0")}
     num_values["fractal_dimension"] = study.surfaces.cell_coordinates()["fractal_dimension"].size
     count_texts = [
-        f"{num_printed} of {num_available} values of "
+        f"{num_printed_values} of {num_available_values} values of "
         f"{points[0].roughness_exponent[0] if name == 'fractal_dimension' else COORDINATE_LABELS[name]}"
-        for name, num_available in num_values.items()
-        if (num_printed := len({point.at[name] for point in printed_points})) < num_available
+        for name, num_available_values in num_values.items()
+        if (num_printed_values := len({point.at[name] for point in printed_points})) < num_available_values
     ]
     return f"Shown: {', '.join(count_texts)}; the command 'stiction at' prints all." if count_texts else ""
 

@@ -453,7 +453,7 @@ def area_size_effect_text(points: Sequence[PointSummary]) -> str:
 # ---- Sentences about a single point ----------------------------------------------------------------------------------
 
 
-def point_detail_sentences(point: PointSummary) -> list[str]:
+def result_point_detail_sentences(point: PointSummary) -> list[str]:
     """Return sentences on a coefficient: contributions, single tests, dwell times, finer scans and inputs."""
     sentences = (
         [] if point.is_unloaded else [contributions_text(point), single_test_text(point), dwell_time_text(point)]

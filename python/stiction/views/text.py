@@ -43,7 +43,7 @@ from stiction.views.sentence import (
     area_size_effect_text,
     input_range_text,
     no_values_text,
-    point_detail_sentences,
+    result_point_detail_sentences,
     roughness_text,
     shared_conditions_text,
     small_slope_estimate_text,
@@ -131,7 +131,7 @@ def main_values_text(
         *([omission_note] if num_omitted else []),
         *assessment_paragraph(points, complete_command=complete_command, **caveat_limits),
     ]
-    details_paragraph = point_detail_sentences(points[0]) if len(points) == 1 else []
+    details_paragraph = result_point_detail_sentences(points[0]) if len(points) == 1 else []
     slopes_paragraph = [small_slope_estimate_text(points[0])]
     table_paragraph: Paragraph = []
     direction_paragraphs: list[Paragraph] = []

@@ -72,7 +72,7 @@ def friction_by_direction_figure(points: xarray.Dataset, *, title: str = "") -> 
                     linewidth=0.8,
                     label=estimate_label,
                 )
-    _draw_polar_circles(axes, highest_coefficient, degrees)
+    _draw_circles_of_polar_axes(axes, highest_coefficient, degrees)
     direction_labels = ("$+x$", "45°", "$+y$", "135°", "$-x$", "225°", "$-y$", "315°")
     axes.set_xticks(np.radians(np.arange(0, 360, 45)), direction_labels)
     modulus = float(dataset["effective_modulus"]) if "effective_modulus" in dataset.coords else None
@@ -102,7 +102,7 @@ def _interpolate_periodic(degrees: Floats, values: Floats, new_degrees: Floats) 
     return np.asarray(np.maximum(spline((new_degrees - degrees[0]) % 360 + degrees[0]), 0))
 
 
-def _draw_polar_circles(axes: Any, highest: float, degrees: Floats) -> None:
+def _draw_circles_of_polar_axes(axes: Any, highest: float, degrees: Floats) -> None:
     """Draw circles at round values in a polar plot, with labels that avoid the data points.
 
     A label has a white background, which hides the curves behind it.

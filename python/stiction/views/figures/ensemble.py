@@ -261,7 +261,7 @@ def _draw_friction_panel(axes: Axes, panel: xarray.Dataset, norm: Any, load: flo
     )
     axes.set(yscale="log", xlim=(edges[0][0], edges[0][-1]), ylim=(edges[1][0], edges[1][-1]))
     set_log_tick_labels(axes)
-    axes.add_patch(_unreached_cell_patch((0, 0), 1, 1, transform=axes.transAxes))
+    axes.add_patch(_patch_of_unreached_cells((0, 0), 1, 1, transform=axes.transAxes))
     is_finite = np.isfinite(coefficients)
     # The coefficient 0, which has no logarithm, gets the lowest colour of the scale.
     colours = colormaps[FRICTION_COLOUR_MAP](norm(np.where(is_finite, np.maximum(coefficients, norm.vmin), norm.vmin)))
@@ -334,7 +334,7 @@ def _fade_colours(colours: Floats, fading: Floats) -> Floats:
     return np.asarray((1 - fraction) * colours + fraction * grey)
 
 
-def _unreached_cell_patch(*args: Any, **kwargs: Any) -> Any:
+def _patch_of_unreached_cells(*args: Any, **kwargs: Any) -> Any:
     return Rectangle(*args, facecolor="white", edgecolor="0.6", hatch="////", linewidth=0.5, **kwargs)
 
 
@@ -354,7 +354,7 @@ def _legend_handles(maps: xarray.Dataset, *, has_asperities: bool) -> list[Any]:
             )
         )
     if (~np.isin(maps["status"].values, (STATUS_OK, STATUS_SELF_LOCKED))).any():
-        handles.append(_unreached_cell_patch((0, 0), 1, 1, label="load not reached"))
+        handles.append(_patch_of_unreached_cells((0, 0), 1, 1, label="load not reached"))
     if (maps["status"].values == STATUS_SELF_LOCKED).any():
         handles.append(Patch(facecolor=to_rgb(SELF_LOCKED_COLOUR), label=r"self-locked: $F_N \leq 0$"))
     handles.append(Line2D([], [], color="black", linewidth=0.7, label="load of the curves; bands: 95 %"))

@@ -130,7 +130,7 @@ def select_figures(
     yield from _measured_surface_figures(result, result.study, result.contact_picture if picture is None else picture)
 
 
-def format_print_title(pair_name: str) -> str:
+def format_title_for_print(pair_name: str) -> str:
     """Return the name of a pair for print: file names without extensions, with spaces instead of underscores."""
     return literal_text(re.sub(r"\.\w+(?= on |$)", "", pair_name).replace("_", " "))
 
@@ -182,7 +182,7 @@ def _measured_surface_figures(
     points = sort_sliding_rules(result.at_report_loads, study)
     unfiltered_points, title, hardness = (
         points.isel(cut_off=0),
-        format_print_title(get_pair_name(study)),
+        format_title_for_print(get_pair_name(study)),
         study.contact.hardness,
     )
     first_load, onset = study_loads[0], result.onset

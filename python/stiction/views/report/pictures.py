@@ -24,7 +24,7 @@ from stiction.views.figures.distributions import friction_by_position_figure
 from stiction.views.figures.height_scale import height_scale_figure
 from stiction.views.figures.loads import adhesion_figure, cut_off_figure
 from stiction.views.figures.onset import contains_slip_map, onset_by_dimension_figure, onset_figure, slip_figure
-from stiction.views.figures.standard import format_print_title
+from stiction.views.figures.standard import format_title_for_print
 from stiction.views.height_scale import HEIGHT_SCALE_NOTE, NAMES_OF_SCALED_SURFACES
 from stiction.views.point import motion_direction_text
 from stiction.views.report.page import format_count
@@ -120,7 +120,7 @@ def _onset_by_dimension_panel(points: xarray.Dataset, study: Study) -> FigurePan
 
 
 def _list_measured_panels(data: ReportDataOfMeasuredSurfaces) -> list[FigurePanel]:
-    title, panels = format_print_title(data.description.name), []
+    title, panels = format_title_for_print(data.description.name), []
     if data.contact_picture is not None:
         panels.append(_contact_panel(data.contact_picture, data.directions[0], data.num_opposing_contacts))
     if data.positions is not None:
