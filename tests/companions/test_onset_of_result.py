@@ -20,6 +20,7 @@ from stiction import (
 )
 from stiction._estimate import Estimate
 from stiction._number_format import format_with_unit
+from stiction._threads import thread_pool_executor
 from stiction.companions.onset import (
     ONSET_FILE,
     TRACTION_TOLERANCE,
@@ -31,7 +32,6 @@ from stiction.companions.onset import (
 )
 from stiction.evaluate.intervals import average_independent_values
 from stiction.mechanics.presliding import fit_iwan
-from stiction.solve.executors import thread_pool_executor
 from stiction.solve.runner import compute_missing_blocks
 from stiction.solve.store import export, open_stored_result
 from stiction.study.members import read_measured_bodies

@@ -6,10 +6,10 @@ import h5py
 import numpy as np
 import pytest
 import xarray
+from stiction._threads import thread_pool_executor
 from stiction.companions import contact_picture, onset
 from stiction.companions.contact_picture import load_contact_picture
 from stiction.companions.onset import compute_onset, load_stored_onset
-from stiction.solve.executors import thread_pool_executor
 from stiction.solve.runner import compute_missing_blocks
 from stiction.solve.store import CHECKSUM_PREFIX, StoreError, export, open_stored_result, read
 from support.studies_of_files import create_study_from_files, write_maps

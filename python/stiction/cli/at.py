@@ -206,6 +206,7 @@ def _print_height_factor_results(
 
     If `compute` is true, missing results are computed first.
     """
+    from stiction._threads import thread_pool_executor
     from stiction.companions.height_scale import (
         compute_results_at_height_factors,
         evaluate_at_height_factors,
@@ -213,7 +214,6 @@ def _print_height_factor_results(
     )
     from stiction.evaluate.computed_loads import find_loads_outside_range
     from stiction.result import Result
-    from stiction.solve.executors import thread_pool_executor
     from stiction.views.height_scale import height_scale_json, height_scale_text
 
     scaled_bodies: Any = scaled

@@ -12,11 +12,12 @@ from pathlib import Path
 from typing import Any
 
 from stiction._text import printable_path
+from stiction._threads import thread_pool_executor
 from stiction._units import short_repr
 from stiction.cli.application import print_message, print_output, report_interruption, show_status
 from stiction.pipeline import complete_result
 from stiction.result import Result
-from stiction.solve.executors import connect_to_cluster, thread_pool_executor
+from stiction.solve.executors import connect_to_cluster
 from stiction.solve.members_in_progress import find_members_in_progress
 from stiction.solve.store import StoreError, StudyMismatchError, open_stored_result
 from stiction.study.study import Study

@@ -20,7 +20,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from stiction._text import MAX_PATH_LENGTH, format_duration, printable_text
-from stiction._threads import num_usable_cores
+from stiction._threads import num_usable_cores, thread_pool_executor
 from stiction._units import short_repr
 from stiction._warnings import warn_caller
 from stiction.study.values import StudyError
@@ -55,36 +55,6 @@ def executor_or_thread_pool(executor: Executor | None) -> Iterator[Executor]:
                 yield pool
     except BrokenExecutor:
         raise StudyError(WORKER_DIED_MESSAGE) from None
-
-
-class _ThreadPool(ThreadPoolExecutor):
-    """Thread pool that continues with fewer threads if the system cannot start the requested number."""
-
-    def _adjust_thread_count(self) -> None:
-        try:
-            super()._adjust_thread_count()
-        except RuntimeError:
-            if not self._threads:
-                raise
-
-
-@contextlib.contextmanager
-def thread_pool_executor(workers: int | None = None) -> Iterator[Executor]:
-    """Yield a thread pool with one thread per core by default.
-
-    The pool is closed when the context ends.
-
-    If the system limits the number of threads, the pool works with the threads that can start. Raises a `RuntimeError`
-    if no thread can start.
-    """
-    pool = _ThreadPool(workers or num_usable_cores(), thread_name_prefix="stiction")
-    pool.submit(int)
-    try:
-        yield pool
-    except BaseException:
-        pool.shutdown(wait=False, cancel_futures=True)
-        raise
-    pool.shutdown()
 
 
 @contextlib.contextmanager

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
 from pathlib import Path
 from typing import Any, get_args
@@ -25,7 +24,7 @@ from stiction._arguments import (
 from stiction._checks import Floats
 from stiction._errors import ArgumentError
 from stiction._text import MAX_WORD_LENGTH
-from stiction._threads import num_usable_cores
+from stiction._threads import thread_pool_executor
 from stiction._units import Quantity, exact_quantity_text, quantity_in_core_units, short_repr
 from stiction.mechanics.half_space import DEFAULT_ADHESION_RANGE
 from stiction.mechanics.half_space_problem import min_resolved_adhesion_range
@@ -620,7 +619,7 @@ class MeasuredPair:
         extents = [float(np.min(body.extent)) for file in self.files for body in file.bodies]
         # The scans are read above, because readers change warning filters, which all threads share.
         # Each large scan takes seconds, mostly in NumPy functions that run without the interpreter lock.
-        with ThreadPoolExecutor(num_usable_cores()) as pool:
+        with thread_pool_executor() as pool:
             limits = pool.map(_find_noise_wavelengths, [scan for file in self.files for scan in file.scans])
             limits_by_file = [list(itertools.islice(limits, len(file.scans))) for file in self.files]
         present_limits = [limit for file_limits in limits_by_file for limit in file_limits if limit is not None]
