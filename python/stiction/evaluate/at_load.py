@@ -27,7 +27,6 @@ from stiction.mechanics.closed_forms import DEFAULT_KAPPA, compute_small_slope_f
 from stiction.mechanics.quantities import is_requested, quantity_attributes
 from stiction.solve.layout import arrange_axes
 from stiction.solve.member_sums import MemberSums
-from stiction.study.study import find_step_dimension
 
 if TYPE_CHECKING:
     import xarray
@@ -145,7 +144,7 @@ def _find_bracketing_loads(
     Returns the computed loads, the indices of the computed loads below and above each requested load, and its position
     between them, as a fraction of the distance in ln F.
     """
-    if find_step_dimension(result.head) != "load":
+    if result.study.step_quantity != "load":
         return None
     steps = result.study.contact.loading_steps()
     above = np.minimum(np.searchsorted(steps, loads), steps.size - 1)

@@ -27,7 +27,7 @@ from stiction.evaluate.combined_intervals import (
     JointSamples,
     extend_percentiles,
 )
-from stiction.evaluate.contact_area import build_area_functions, compute_load_exponents
+from stiction.evaluate.contact_area import build_area_functions, compute_stiffness_exponents
 from stiction.evaluate.intervals import ScanPairMean, average_scan_pairs
 from stiction.evaluate.member_values import estimate_area_error, interpolate_member_sums, member_values
 from stiction.evaluate.point import list_rules_with_reported_first
@@ -412,9 +412,8 @@ def _iterate_intervals(
     study, contact, sampler = result.study, result.study.contact, result.compute_once(_create_sampler)
     areas = result.compute_once(build_area_functions)
     loads = at["load"].values
-    stiffness_exponents = np.stack(
-        [compute_load_exponents(result, name, loads) for name in ("normal_stiffness", "unloading_stiffness")], axis=1
-    )
+    log_steps, exponents_at_steps = np.log(contact.loading_steps()), result.compute_once(compute_stiffness_exponents)
+    stiffness_exponents = np.stack([np.interp(np.log(loads), log_steps, row) for row in exponents_at_steps], axis=1)
     law = Inputs.from_study(study).friction_law(np.nan, np.nan)
     closure_curves = result.compute_once(build_closure_curves)
     study_inputs = InputValues(

@@ -299,12 +299,16 @@ def _estimate_elastic_areas(result: MemberSums, areas: Floats) -> Floats:
     return np.where(np.isfinite(areas), smaller_areas, np.nan)
 
 
-def compute_load_exponents(result: MemberSums, name: str, loads: Floats) -> Floats:
-    """Return d ln(q)/d ln(F) at given loads F (mN), where q is the mean of a stored quantity over members."""
+def compute_stiffness_exponents(result: MemberSums) -> Floats:
+    """Return d ln(k)/d ln(F) at each computed load F, for the mean normal stiffness k in loading and in unloading.
+
+    The array has the shape (2, loads).
+    """
+    means = result.means(["normal_stiffness", "unloading_stiffness"]).data_vars.values()
     steps = result.study.contact.loading_steps()
-    quantity = result.means([name]).variables[name]
-    mean = np.asarray(quantity.mean([dim for dim in quantity.dims if dim != "load"]).values)
-    return np.asarray(np.interp(np.log(loads), np.log(steps), compute_exponents(steps, mean)))
+    return np.stack(
+        [compute_exponents(steps, k.variable.mean([dim for dim in k.dims if dim != "load"]).values) for k in means]
+    )
 
 
 def compute_exponents(loads: Floats, values: Floats) -> Floats:
@@ -367,11 +371,9 @@ def iterate_pieces_with_true_areas(result: MemberSums, names: Iterable[str] | No
 def _scale_area_sums(piece: xarray.Dataset, factors: Floats) -> xarray.Dataset:
     import xarray
 
-    scale = xarray.Variable(("cut_off", "load"), factors)
-    scaled_areas: dict[str, Any] = {}
-    for name in AREA_PROPORTIONAL_SUM_NAMES:
-        if name in piece.variables:
-            variable = piece.variables[name]
-            scaled_areas[name] = (variable * scale).transpose(*variable.dims)
-            scaled_areas[name].attrs = variable.attrs
-    return piece.assign(scaled_areas)
+    scaled_piece, scale = piece.copy(), xarray.Variable(("cut_off", "load"), factors)
+    for name in set(AREA_PROPORTIONAL_SUM_NAMES) & set(piece.variables):
+        # Replacing the array of a copied variable takes less time than assigning a variable to the dataset.
+        variable = scaled_piece.variables[name]
+        variable.data = (variable * scale).transpose(*variable.dims).values
+    return scaled_piece

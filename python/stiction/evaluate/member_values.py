@@ -191,7 +191,7 @@ def interpolate_member_sums(
             _get_missing_motion_coordinates(piece, study) | coordinates,
         )
 
-    return _evaluate_pieces(result, member_kind, evaluate_piece)
+    return _evaluate_pieces(result, member_kind, evaluate_piece, ["normal_elastic", *names])
 
 
 def estimate_area_error(adhesive_sums: Floats) -> float:
@@ -204,11 +204,12 @@ def estimate_area_error(adhesive_sums: Floats) -> float:
 
 
 def _evaluate_pieces(
-    result: MemberSums, member_kind: MemberKind | None, evaluate: Callable[[xarray.Dataset], xarray.Dataset]
-) -> xarray.Dataset:
+    result: MemberSums, member_kind: MemberKind | None, evaluate: Callable[[xarray.Dataset], xarray.Dataset],
+    names: Collection[str] | None = None,
+) -> xarray.Dataset:  # fmt: skip
     import xarray
 
-    pieces = [evaluate(piece) for piece in iterate_pieces_with_true_areas(result) if piece.sizes["repetition"]]
+    pieces = [evaluate(piece) for piece in iterate_pieces_with_true_areas(result, names) if piece.sizes["repetition"]]
     values = pieces[0] if len(pieces) == 1 else xarray.concat(
         pieces, "repetition", data_vars="minimal", coords="minimal", compat="override", combine_attrs="override"
     )  # fmt: skip

@@ -329,7 +329,7 @@ class Evaluation(MemberSums):
             compute_results_at_height_factors(self.stored, factors, scaled)
         return evaluate_at_height_factors(self.stored, factors, loads, mu0=mu0, tau0=tau0, scaled=scaled)
 
-    @property
+    @cached_property
     def nominal_area(self) -> float | None:
         """Nominal area (µm²) of one surface pair, or None for generated profiles."""
         if self.study.is_measured:
