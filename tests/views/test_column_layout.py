@@ -25,6 +25,12 @@ def draw_log_axes_below_a_secondary_axis(figure: Figure) -> None:
     upper.secondary_xaxis("top", functions=(lambda x: 5 * x, lambda x: x / 5)).set_xlabel("$p$ (MPa)")
 
 
+def draw_y_axes_shorter_than_a_decade(figure: Figure) -> None:
+    for axes in figure.subplots(2, 1):
+        axes.loglog([0.1, 10.0], [2.1e-5, 2.9e-5])
+        axes.set(xlabel="$p$ (MPa)", ylabel="contact area")
+
+
 def draw_a_low_panel_with_a_long_label(figure: Figure) -> None:
     for axes in figure.subplots(2, 1, height_ratios=[1, 6]):
         axes.set(ylabel="a very long height $z$ (nm)")
@@ -34,7 +40,13 @@ def draw_a_low_panel_with_a_long_label(figure: Figure) -> None:
 @pytest.mark.parametrize("legend_at", ["top", "bottom"])
 @pytest.mark.parametrize("canvas_type", [FigureCanvasAgg, FigureCanvasSVG])
 @pytest.mark.parametrize(
-    "draw", [draw_linear_axes, draw_log_axes_below_a_secondary_axis, draw_a_low_panel_with_a_long_label]
+    "draw",
+    [
+        draw_linear_axes,
+        draw_log_axes_below_a_secondary_axis,
+        draw_y_axes_shorter_than_a_decade,
+        draw_a_low_panel_with_a_long_label,
+    ],
 )
 def test_column_layout_places_texts_inside_the_figure_and_without_overlap(draw, canvas_type, legend_at):
     figure = new_figure(114, layout=ColumnLayout(legend_at=legend_at))

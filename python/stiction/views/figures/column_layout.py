@@ -113,9 +113,17 @@ class _TextMeasure:
         """Return the width of ticks, tick labels and label of a y axis."""
         axis, tick = axes.yaxis, axes.yaxis.get_major_ticks(1)[0]
         low, high = sorted(axis.get_view_interval())
-        locations = [location for location in axis.get_majorticklocs() if low <= location <= high]
+        # On logarithmic axes shorter than a decade, the minor ticks have labels, too.
+        labels = [
+            label
+            for locations, formatter in (
+                (axis.get_majorticklocs(), axis.get_major_formatter()),
+                (axis.get_minorticklocs(), axis.get_minor_formatter()),
+            )
+            for label in formatter.format_ticks([location for location in locations if low <= location <= high])
+        ]
         # The first tick measures the longest tick label; its own label is set when the figure is drawn.
-        tick.label1.set_text(max(axis.get_major_formatter().format_ticks(locations), key=len, default=""))
+        tick.label1.set_text(max(labels, key=len, default=""))
         tick_label_width = self._points_per_pixel * tick.label1.get_window_extent(self._renderer).width
         width = float(tick.get_tick_padding() + tick.get_pad() + tick_label_width)
         return width + (axis.labelpad + _estimate_thickness(axis.label) if axis.get_label_text() else 0.0)
