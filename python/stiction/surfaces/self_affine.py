@@ -42,7 +42,7 @@ def self_affine(
         H, above 0 and at most 2. Above 1 the profile is smooth, and the paper's D is below 1.5.
     rms : float, µm
         Root-mean-square height of the spectrum, above 0. A single profile has this height only on average;
-        `Profile.with_amplitude` scales a profile to it exactly.
+        `profile.with_amplitude(rms, measure="Rq")` scales a profile to it exactly.
     points : int
         Number of points, at least 4.
     spacing : float, µm
