@@ -103,6 +103,20 @@ def test_friction_is_equal_for_all_definitions_of_load_at_small_slopes(areal_stu
     }  # fmt: skip
 
 
+def test_ensemble_mean_of_asperities_on_measured_maps_has_a_small_effect_of_the_load_definition():
+    result = pair(
+        *rough_maps(5, rms=0.05, shortest_wavelength=0.4), load="20 MPa", effective_modulus="80 GPa", mu0=0.2, shifts=2,
+        mechanics="asperities",
+    )  # fmt: skip
+    elastic, mean = (result.at(load_definition=definition) for definition in ("elastic", "mean"))
+    for rule in ("all", "opposing"):
+        coefficients = [
+            dataset["mean_friction"].sel(statistic="mean", sliding=rule).item() for dataset in (mean, elastic)
+        ]
+        assert coefficients[0] == pytest.approx(coefficients[1], rel=0.05)
+    assert 0 < float(mean["load_definition_effect"].max()) < 0.05
+
+
 def test_relative_effect_of_the_load_definition_on_friction_is_finite_if_friction_is_zero(areal_study_and_dataset):
     _, result = areal_study_and_dataset
     table = at_load(result, [2.0], mu0=[0.0, 0.3], tau0=[0.0])

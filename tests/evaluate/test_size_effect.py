@@ -67,6 +67,13 @@ def test_contact_hardness_is_the_hardness_at_the_indentation_depth_of_the_contac
     assert get_mean(result, "closure") == get_mean(without_indent, "closure")
 
 
+def test_contact_hardness_is_the_same_for_both_definitions_of_a_mean_load():
+    result = press_metals(indent="2 um")
+    elastic, mean = (result.at(load_definition=definition)["contact_hardness"] for definition in ("elastic", "mean"))
+    assert mean.dims == elastic.dims
+    np.testing.assert_array_equal(mean.sel(statistic="mean"), elastic.sel(statistic="mean"))
+
+
 def test_hardness_test_as_shallow_as_the_contacts_leaves_friction_nearly_unchanged():
     depth = estimate_indentation_depth(
         *(get_mean(press_metals(), name) for name in ("contact_area", "contact_count", "rms_gradient"))

@@ -112,7 +112,7 @@ def at_load(
     if study.contact.indent is not None and is_requested("contact_hardness", names):
         hardness = np.stack([area.contact_hardness(unique_loads) for area in result.compute_once(build_area_functions)])
         point["contact_hardness"] = (
-            (*(str(dim) for dim in point.variables["rms_gradient"].dims if dim != "statistic"), "load", "statistic"),
+            (*(name for name in MAP_CELL_DIMENSION_NAMES if name in point.dims), "load", "statistic"),
             np.repeat(hardness[..., np.newaxis], 3, axis=-1), quantity_attributes("contact_hardness"),
         )  # fmt: skip
     if is_measured and is_requested("load_definition_effect", names):
@@ -120,7 +120,7 @@ def at_load(
         # Ensemble means neglect junction growth and area loss, so the coefficient compared with them neglects both too.
         other_result = (
             result
-            if load_definition != "mean"
+            if load_definition != "mean" or not study.uses_half_space
             else result.with_study(study.with_changes({"contact.junction_growth": None, "contact.area_loss": None}))
         )
         members = evaluate_members(other_result, unique_loads, *strengths, other_definition, member_kind, ())
