@@ -86,7 +86,7 @@ def test_elastic_areas_computed_by_the_tamaas_library_agree_with_the_half_space_
         np.testing.assert_allclose(np.array(rows)[:, 2], areas_by_map[name].elastic, rtol=0.07)
 
 
-def test_contact_area_of_a_coarse_elastic_plastic_solution_exceeds_the_area_at_limited_pressure(script):
+def test_area_of_an_elastic_plastic_solution_on_a_coarse_grid_exceeds_the_area_with_the_pressure_cap(script):
     case = script.RoughMap(4, (1, 1.5), 1.5, area_fractions=(0.2,), num_points=16, num_layers=6)
     areas = script.find_map_areas(case, script.run_case(case))
     assert areas.pressure_ratio[0] > 0.7

@@ -131,7 +131,7 @@ std::vector<Contact> contacts(const ArealCandidates& candidates, double approach
         force *= inside.force;
         area *= inside.area;
       }
-      // The semi-axes are scaled so that the ellipse keeps its shape and has only the area that lies inside the map.
+      // The semi-axes are scaled by one factor, so that the ellipse has the area of its part inside the map.
       const double scale = area / (pi * std::sqrt(candidate.ellipse.major * candidate.ellipse.minor));
       result.push_back({candidate.row * candidates.columns + candidate.column,
                         candidate.position - 0.5 * overlap * candidate.normal, candidate.normal,

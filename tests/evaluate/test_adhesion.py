@@ -126,7 +126,7 @@ def test_pull_off_force_is_shown_in_table_and_text_and_report_and_figure(adhesiv
     assert len(adhesive_result.figure("adhesion").axes) == 2
 
 
-def test_interval_of_friction_at_zero_load_agrees_with_independent_samples_of_the_inputs(adhesive_result):
+def test_interval_of_friction_at_zero_load_agrees_with_percentiles_of_independent_samples(adhesive_result):
     """The friction at no load is linear in μ0 and τ0. The positions add a relative error to it."""
     result = run_pair(**ADHESION_OPTIONS, mu0="0.2..0.4", tau0="10..40 MPa")
     values = result.at()["friction_at_no_load"].isel(cut_off=0).squeeze(drop=True)

@@ -120,7 +120,7 @@ class TestArealContactAgainstPythonReference:
         assert np.allclose(np.linalg.norm(table.tangent, axis=1), 1, atol=ROUND_OFF)
         assert np.allclose((table.tangent * table.normal).sum(axis=1), 0, atol=ROUND_OFF)
 
-    def test_grid_minima_of_the_gap_without_a_candidate_are_counted_as_unresolved(self):
+    def test_grid_minima_of_the_gap_without_a_nearby_contact_candidate_are_counted_as_unresolved(self):
         upper, lower = create_rough_surfaces(shape=(40, 40), spacing=0.05, shortest_wavelength=None, hurst_exponent=0.3)
         gap = upper.heights - lower.heights
         inner_gap = gap[1:-1, 1:-1]

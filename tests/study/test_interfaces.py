@@ -394,7 +394,7 @@ def test_pair_function_rejects_an_interface_combined_with_mu0(options, pattern) 
         pair(*rough_surfaces(), **PAIR_OPTIONS, **options)
 
 
-def test_pair_in_the_same_directory_accepts_another_published_interface_or_a_file(film_file, tmp_path) -> None:
+def test_repeated_pair_command_accepts_another_published_interface_or_an_interface_file(film_file, tmp_path) -> None:
     options = {**PAIR_OPTIONS, "directory": tmp_path / "r"}
     first_name, second_name = list(interfaces())[:2]
     values = [

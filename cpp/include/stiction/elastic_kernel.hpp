@@ -59,7 +59,7 @@ class ElasticKernel {
   const Grid& grid() const { return grid_; }
 
   /// `pressure` and `displacements` may be the same array.
-  /// On areas, displacements are computed and written only in the rows `rows` or, if `rows` is empty, in all rows.
+  /// On 2D grids, displacements are computed and written only in the rows `rows` or, if `rows` is empty, in all rows.
   void displacement(Values pressure, std::span<double> displacements, Workspace& workspace,
                     const ThreadPool& pool = ThreadPool(), std::span<const std::size_t> rows = {}) const;
 

@@ -159,7 +159,7 @@ class JobQueue:
         return job
 
     def page_data(self) -> list[dict[str, Any]]:
-        """Return the data of all jobs for the page.
+        """Return the data of all jobs that the page of the app shows.
 
         For a waiting job, the data name the job before it.
         """

@@ -160,7 +160,7 @@ class InputSampler:
     def draw_samples(
         self, inputs: Mapping[str, UncertainInput], names: tuple[str, ...], fixed: Mapping[str, float]
     ) -> _InputSamples:
-        """Return samples of the uncertainty sources in `names`, which are drawn on the first call and then cached.
+        """Return samples of the sources in `names`. All samples are drawn on the first call and then cached.
 
         Inputs in `fixed` have the value at the given quantile.
         """

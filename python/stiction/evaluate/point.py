@@ -150,7 +150,7 @@ class PointQuantities:
 
 
 def read_point_quantities(point: xarray.Dataset, rule: str) -> PointQuantities:
-    """Return all quantities at one load, mu0 and tau0 that do not depend on the direction, under one sliding rule.
+    """Return all quantities without a direction, at one load, mu0 and tau0, under one sliding rule.
 
     Selections from an `xarray.Variable` are much faster than selections from an `xarray.DataArray`.
     """

@@ -150,7 +150,7 @@ class AsperityTangentialProblem:
         return float(((strength * slip_distance * sine) @ weights * end_angle[:, 0]).sum())
 
     def _spring_strengths(self, sine: Floats) -> Floats:
-        """Return the strengths 3/4 mu0 F s² + 2/π tau0 A s (mN) of springs that model a contact, where s is `sine`."""
+        """Return the forces 3/4 mu0 F s² + 2/π tau0 A s (mN) at which springs of a contact slip, where s is `sine`."""
         return np.asarray(
             0.75 * self.frictional[:, np.newaxis] * sine**2 + 2 / np.pi * self.adhesive[:, np.newaxis] * sine
         )

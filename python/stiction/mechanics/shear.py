@@ -138,7 +138,7 @@ class ShearBox:
         return _compute_measured_area(*self.faces_at(np.zeros(self.lower.heights.ndim, np.int64)))
 
     def choose_offsets(self, path: float, steps: int) -> NDArray[np.int64]:
-        """Return the positions of the upper face along its path in grid points, as an array (offsets, axes).
+        """Return the offsets of the upper face along its path, in grid points; array of shape (offsets, axes).
 
         The offsets are spread evenly over the path (µm) and rounded to grid points, without repetitions.
         """

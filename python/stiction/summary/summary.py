@@ -427,7 +427,7 @@ def summarize(
 
 
 def _have_intervals(alternatives: Mapping[AlternativeName, Summary], coordinates: Mapping[str, float]) -> bool:
-    """Return whether the results of all other scan preparations have an interval at the given coordinates."""
+    """Return whether the result of each alternative scan preparation has an interval at the given coordinates."""
     return all(
         point.rules[0].has_interval
         for alternative in alternatives.values()

@@ -13,7 +13,7 @@ _MIN_REPETITIONS_OF_ROUNDED_DIFFERENCE = 5
 _MIN_FRACTION_OF_REPEATED_DIFFERENCES = 0.5
 _MIN_FRACTION_OF_MULTIPLES, _MULTIPLE_TOLERANCE_IN_STEPS = 0.9, 0.05
 # A height difference of 0, as in a clipped map, is a multiple of every rounding step.
-# At least this fraction of nonzero height differences must be multiples of a rounding step; by chance, 0.1 are.
+# At least this fraction of nonzero height differences must be multiples of a rounding step: by chance, 0.1 of them are.
 _MIN_FRACTION_OF_NONZERO_MULTIPLES = 0.5
 # A rounding step is accepted only if the heights have at least four levels.
 _MAX_STEP_TO_HEIGHT_RANGE_RATIO = 1 / 3 + 1e-6

@@ -232,7 +232,7 @@ def _compute_with_setting_class(
     results_by_class: dict[int, SectionParameters] = {}
 
     def find_matching_setting_class(index: int) -> int:
-        """Compute Ra and RSm with the setting class `index`; return the index of the setting class for these values."""
+        """Return the index of the setting class that matches Ra and RSm, both computed with setting class `index`."""
         if index not in results_by_class:
             lc = SETTING_CLASSES[index].section_length
             results_by_class[index] = _compute_with_cutoff(profile, lc, ls, sections, robust, derivative)

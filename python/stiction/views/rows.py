@@ -147,7 +147,7 @@ def _quantity_columns(dataset: xarray.Dataset, name: str) -> dict[str, Any]:
         columns["status"] = np.where(np.isfinite(columns["value"]), STATUS_OK, "no-mean")
     is_directed = name in QUANTITIES and QUANTITIES[name].is_directed
     for coordinate in COORDINATE_ORDER:
-        # A single sliding rule or direction is a scalar coordinate: only quantities that depend on it get its column.
+        # With a single sliding rule or direction, only quantities that depend on it get a column for it.
         is_scalar = coordinate in dataset.coords and not dataset.variables[coordinate].ndim
         if coordinate in dims or (is_scalar and (is_directed or coordinate not in ("sliding", "direction"))):
             columns[coordinate] = broadcast_to_rows(dataset.variables[coordinate])

@@ -70,7 +70,7 @@ BEYOND_MODEL_TEXT = (
 def common_script_data(
     data: ReportDataOfMeasuredSurfaces | ReportDataOfGeneratedSurfaces, axes: tuple[ParameterAxis, ParameterAxis] | None
 ) -> dict[str, Any]:
-    """Return data for the scripts that all reports contain: slider values, labels, statuses, limits and others.
+    """Return data for the scripts that all reports contain, such as slider values, labels and statuses.
 
     `axes` contains the numbers of mu0 and tau0 for the sliders, or is None if no pair is in contact.
     """
