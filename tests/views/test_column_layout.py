@@ -66,14 +66,8 @@ def test_column_layout_places_texts_inside_the_figure_and_without_overlap(draw, 
         assert min(one.y1, other.y1) <= max(one.y0, other.y0)
 
 
-def test_column_layout_keeps_height_ratios_and_margins():
-    layout = ColumnLayout(right_margin=40.0, bottom_margin=30.0)
-    figure = new_figure(100, layout=layout)
+def test_column_layout_keeps_height_ratios():
+    figure = new_figure(100, layout=ColumnLayout())
     upper, lower = figure.subplots(2, 1, height_ratios=[2, 1])
-    figure.add_axes((0.1, 0.05, 0.8, 0.02))
     place_axes(figure)
-    width, height = 72 * figure.get_size_inches()
     assert upper.get_position().height == pytest.approx(2 * lower.get_position().height)
-    assert upper.get_position().x1 == pytest.approx(1 - 40 / width)
-    assert lower.get_position().y0 > 30 / height
-    assert figure.axes[2].get_position().y0 == pytest.approx(0.05)

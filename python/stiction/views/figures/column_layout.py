@@ -27,7 +27,7 @@ _CHARACTER_WIDTH = 0.6
 
 
 class ColumnLayout(LayoutEngine):
-    """Layout engine for axes in one column, with a heading, and a legend of the figure above or below the axes.
+    """Layout engine for axes in one column without colour bars, with a heading and a legend above or below the axes.
 
     The engine measures legends and the longest tick label of each y axis. The sizes of other texts are estimated,
     because Matplotlib would parse a formula once to measure it and again to draw it. Matplotlib's constrained layout
@@ -37,15 +37,10 @@ class ColumnLayout(LayoutEngine):
     _adjust_compatible = False
     _colorbar_gridspec = False
 
-    def __init__(
-        self, *, legend_at: Literal["top", "bottom"] = "bottom", right_margin: float = _RIGHT_MARGIN,
-        bottom_margin: float = 0.0,
-    ) -> None:  # fmt: skip
-        """Store where the legend is, and the margins (points) that a figure needs for colour bars."""
+    def __init__(self, *, legend_at: Literal["top", "bottom"] = "bottom") -> None:
+        """Store where the legend of the figure is."""
         super().__init__()
-        self._params: dict[str, Any] = {
-            "legend_at": legend_at, "right_margin": right_margin, "bottom_margin": bottom_margin,
-        }  # fmt: skip
+        self._params: dict[str, Any] = {"legend_at": legend_at}
 
     def execute(self, fig: Any) -> None:
         """Place the axes and the heading of a figure."""
@@ -56,11 +51,10 @@ class ColumnLayout(LayoutEngine):
             text.set(y=1 - _PAD / height, verticalalignment="top")
         legend_height = sum(measure.height(legend) + _PAD for legend in fig.legends)
         is_legend_at_top = self._params["legend_at"] == "top"
-        # Colour bars with fixed positions are not in the column.
-        column = [axes for axes in fig.axes if axes.get_subplotspec() is not None]
+        column = fig.axes
         left = _PAD + max(measure.y_axis_width(axes) for axes in column)
         top = height - heading_height - (legend_height if is_legend_at_top else 0.0)
-        bottom = self._params["bottom_margin"] + (0.0 if is_legend_at_top else legend_height)
+        bottom = 0.0 if is_legend_at_top else legend_height
         height_ratios = np.array(column[0].get_gridspec().get_height_ratios(), dtype=float)
         min_spaces = np.array([(measure.space_above(axes), measure.x_axis_height(axes)) for axes in column]) + _PAD
         spaces, axes_heights = min_spaces, (top - bottom - min_spaces.sum()) * height_ratios / height_ratios.sum()
@@ -74,7 +68,7 @@ class ColumnLayout(LayoutEngine):
         for _ in range(_NUM_ITERATIONS):
             spaces = np.maximum(min_spaces, (label_heights - axes_heights)[:, np.newaxis] / 2 + _PAD)
             axes_heights = (top - bottom - spaces.sum()) * height_ratios / height_ratios.sum()
-        axes_width = width - left - self._params["right_margin"]
+        axes_width = width - left - _RIGHT_MARGIN
         for axes, (space_above, space_below), axes_height in zip(column, spaces, axes_heights, strict=True):
             axes_bottom = top - space_above - axes_height
             axes.set_position((left / width, axes_bottom / height, axes_width / width, axes_height / height))

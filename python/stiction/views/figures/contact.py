@@ -201,10 +201,6 @@ def _draw_forces(
 
 
 _MAX_MARKER_AREA = 60.0  # square points
-_COLOUR_BAR_POSITION = (1.05, 0.1, 0.04, 0.8)
-"""Left, bottom, width and height of a colour bar, relative to the axes of its map."""
-COLOUR_BAR_MARGIN = 40.0
-"""Margin for a colour bar with its labels to the right of a map (points)."""
 
 
 def contacts_and_pressure_figure(
@@ -217,7 +213,7 @@ def contacts_and_pressure_figure(
     """
     force = picture["contact_force"].values
     has_pressure = "zoom_pressure" in picture and bool((picture["zoom_pressure"].values > 0).any())
-    figure = new_figure(144 if has_pressure else 86, layout=ColumnLayout(right_margin=COLOUR_BAR_MARGIN))
+    figure = new_figure(144 if has_pressure else 86)
     panels = figure.subplots(2 if has_pressure else 1, 1, squeeze=False)[:, 0]
     axes = panels[0]
     draw_height_map(figure, axes, picture["lower_height"].values, picture_extent(picture, "height"))
@@ -267,7 +263,7 @@ def draw_height_map(figure: Figure, axes: Axes, heights: Floats, box: tuple[floa
     image = axes.imshow(
         scaled_heights, extent=box, origin="lower", cmap="gray", vmin=lowest_height, vmax=highest_height
     )
-    colour_bar = figure.colorbar(image, cax=axes.inset_axes(_COLOUR_BAR_POSITION), extend="both")
+    colour_bar = figure.colorbar(image, ax=axes, extend="both", shrink=0.8)
     colour_bar.set_label("lower body, " + axis_label("height_nm" if in_nanometres else "height"))
     label_map_axes(axes, box)
 
@@ -306,11 +302,13 @@ def _draw_pressure_panel(figure: Figure, axes: Axes, picture: xarray.Dataset, ha
         np.where(pressure > 0, pressure, np.nan), extent=box, origin="lower", cmap=PRESSURE_COLOUR_MAP, vmin=0,
         vmax=hardness if hardness is not None and float(np.nanmax(pressure)) >= 0.99 * hardness else None,
     )  # fmt: skip
-    colour_bar = figure.colorbar(image, cax=axes.inset_axes(_COLOUR_BAR_POSITION))
+    colour_bar = figure.colorbar(image, ax=axes, shrink=0.8)
     colour_bar.set_label(axis_label("pressure"))
     if hardness is not None and image.get_clim()[1] >= 0.99 * hardness:
         colour_bar.ax.axhline(hardness, color="black", linewidth=1)
-        colour_bar.ax.text(0, 1.02, "hardness", transform=colour_bar.ax.transAxes, fontsize=6, ha="left", va="bottom")
+        colour_bar.ax.text(
+            0.5, 1.02, "hardness", transform=colour_bar.ax.transAxes, fontsize=6, ha="center", va="bottom"
+        )
     is_at_edge = picture["contact_at_edge"].values[picture["contact_force"].values.argmax()] > 0
     title = "around the contact with the largest load (frame above)"
     title += "\nthe edge of the pressed area cuts this contact" if is_at_edge else ""

@@ -21,13 +21,7 @@ from stiction.evaluate.point import MEAN_AND_LIMITS
 from stiction.study.study import Study
 from stiction.summary.assessment import MAX_AFFECTED_FRACTION
 from stiction.views.figures.column_layout import ColumnLayout
-from stiction.views.figures.contact import (
-    COLOUR_BAR_MARGIN,
-    draw_height_map,
-    draw_zoom_border,
-    label_map_axes,
-    picture_extent,
-)
+from stiction.views.figures.contact import draw_height_map, draw_zoom_border, label_map_axes, picture_extent
 from stiction.views.figures.ensemble import (
     HEADING_HEIGHT,
     create_figure_with_axes_rows,
@@ -141,8 +135,6 @@ def _build_masing_cycle(displacement: Floats, load: Floats, amplitude: float) ->
 
 
 _MAX_MARKER_AREA = 60.0  # square points
-_SLIP_COLOUR_BAR_MARGIN = 42.0
-"""Margin for the colour bar below a slip map (points)."""
 
 
 def contains_slip_map(onset: xarray.Dataset) -> bool:
@@ -160,9 +152,7 @@ def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
     colour of the marker shows the load at which the contact slides.
     """
     has_point_map = "slip" in onset
-    height = 144 if has_point_map else 86
-    layout = ColumnLayout(right_margin=COLOUR_BAR_MARGIN, bottom_margin=_SLIP_COLOUR_BAR_MARGIN)
-    figure = new_figure(height, layout=layout)
+    figure = new_figure(144 if has_point_map else 86)
     panels = figure.subplots(2 if has_point_map else 1, 1, squeeze=False)[:, 0]
     colours = mpl.colormaps[SLIP_COLOUR_MAP]
     colour_norm = BoundaryNorm([0.0, *onset["fraction"].values], colours.N)
@@ -186,8 +176,9 @@ def slip_figure(onset: xarray.Dataset, *, title: str = "") -> Figure:
         )  # fmt: skip
     colour_bar = figure.colorbar(
         ScalarMappable(colour_norm, colours),
-        cax=figure.add_axes((0.15, 9 / height, 0.6, 3 / height)),
+        ax=panels[-1],
         location="bottom",
+        shrink=0.8,
         ticks=[0, 0.2, 0.4, 0.6, 0.8, 1],
     )
     colour_bar.set_label(
