@@ -642,7 +642,7 @@ def remove_result(stored_result: StoredResult, claim: DirectoryClaim) -> None:
 
 
 def _check_resumable(stored_result: StoredResult) -> None:
-    """Raise a `StoreError` if this study, stiction version, NumPy version or machine cannot complete a result."""
+    """Raise a `StoreError` if an unfinished result was begun with another study, version or machine."""
     if not stored_result.blocks:
         return
     path, content, num_members = (

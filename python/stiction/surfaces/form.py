@@ -16,7 +16,7 @@ RoundForm = Literal["circle", "sphere", "cylinder"]
 # Coordinates (x, y) in µm of the points of a map, relative to the middle of the map.
 PointCoordinates = tuple[Floats, Floats]
 _FormModel = Callable[[Floats, PointCoordinates], Floats]
-# Minimum of the computed cos² of the slope angle, which would be negative beyond the equator of a sphere.
+# Lower bound of the computed cos² of the slope angle: the formula is negative beyond the equator of a sphere.
 _MIN_COSINE_SQUARED = 1e-6
 _FIT_TOLERANCE = 1e-12
 
