@@ -27,6 +27,7 @@ from stiction.study.study import parse_study_of_dataset
 from stiction.study.values import StudyError
 from support.generated_studies import TINY_STUDY, InlineExecutor, assert_same_bits, with_repetitions
 from support.studies_of_files import create_study_from_files, write_maps
+from support.thread_limits import allow_one_new_thread
 
 RUNNER_STUDY = TINY_STUDY.with_changes(
     {
@@ -262,16 +263,7 @@ def test_remaining_time_of_a_run_is_estimated_from_the_time_of_its_first_block()
 
 
 def test_run_computes_with_fewer_threads_if_not_all_threads_can_start(monkeypatch):
-    start, started = threading.Thread.start, []
-
-    def start_first(thread):
-        if started:
-            raise RuntimeError("can't start new thread")
-        started.append(thread)
-        start(thread)
-
-    monkeypatch.setattr(os, "sched_getaffinity", lambda _: range(4))
-    monkeypatch.setattr(threading.Thread, "start", start_first)
+    started = allow_one_new_thread(monkeypatch)
     dataset = run(TINY_STUDY).dataset
     monkeypatch.undo()
     assert len(started) == 1

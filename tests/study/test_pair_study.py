@@ -7,6 +7,7 @@ import pytest
 from stiction import pair
 from stiction.study import pair_study
 from support.rough_surfaces import rough_maps
+from support.thread_limits import allow_one_new_thread
 
 OPTIONS = {"load": ["20 MPa", "50 MPa"], "mu0": 0.2, "effective_modulus": "80 GPa", "shifts": 2, "onset": 0}
 
@@ -35,14 +36,7 @@ def test_interrupted_noise_analysis_does_not_wait_for_other_scans(monkeypatch):
 
 
 def test_noise_analysis_uses_fewer_threads_if_not_all_threads_can_start(monkeypatch):
-    start, started = threading.Thread.start, []
-
-    def start_first(thread):
-        if started:
-            raise RuntimeError("can't start new thread")
-        started.append(thread)
-        start(thread)
-
+    started = allow_one_new_thread(monkeypatch)
     find_noise = pair_study._find_noise_wavelengths
     analysed_in = []
 
@@ -52,8 +46,6 @@ def test_noise_analysis_uses_fewer_threads_if_not_all_threads_can_start(monkeypa
             monkeypatch.undo()
         return find_noise(scan)
 
-    monkeypatch.setattr(os, "sched_getaffinity", lambda _: range(4))
-    monkeypatch.setattr(threading.Thread, "start", start_first)
     monkeypatch.setattr(pair_study, "_find_noise_wavelengths", analyse)
     pair(*rough_maps(), **OPTIONS)
     assert analysed_in == started * 2
